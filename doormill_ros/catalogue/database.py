@@ -103,9 +103,7 @@ class Catalogue(Transactions):
                     (schema.run.c.bag == bag) & schema.run.c.run_id.not_in(ids) & schema.run.c.cell.in_(cells)
                 )
                 connection.execute(schema.run.update().where(lost).values(bag="", bag_sha256="", bag_bytes=0))
-            for run in sorted(runs, key=lambda run: run.run_id):
-                if not self._is_copy(connection, run):
-                    _put(connection, schema.run, asdict(run))
+            self._put_runs(connection, runs)
             for one in sorted(inspections, key=lambda one: (one.run_id, one.inspection)):
                 # An inspection is of one run: of another it was before somebody put it right.
                 own = sa.select(schema.run.c.cell).where(schema.run.c.run_id == one.run_id)
@@ -113,6 +111,17 @@ class Catalogue(Transactions):
                 others = (columns.inspection == one.inspection) & (columns.run_id != one.run_id)
                 connection.execute(schema.inspection.delete().where(others, _of_cells(own)))
                 _put(connection, schema.inspection, asdict(one))
+
+    def add(self, runs: Iterable[CataloguedRun]) -> None:
+        """Put runs of a bag that is being recorded beside those that are known of it: all of them, or none."""
+        with self.write() as connection:
+            schema.lock(connection)
+            self._put_runs(connection, runs)
+
+    def _put_runs(self, connection: sa.Connection, runs: Iterable[CataloguedRun]) -> None:
+        for run in sorted(runs, key=lambda run: run.run_id):
+            if not self._is_copy(connection, run):
+                _put(connection, schema.run, asdict(run))
 
     def forget_inspections(self, folder: str, there: Collection[str], cells: Collection[str]) -> None:
         """The inspections below a folder are these: others of runs of the cells are gone.

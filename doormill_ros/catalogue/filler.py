@@ -13,9 +13,12 @@ from typing import TYPE_CHECKING, Any
 
 from doormill_ros.catalogue.run_collector import RunCollector
 from doormill_ros.errors import DoormillError, unexpected
+from doormill_ros.recording.run_topics import RUN_RESULT
 
 if TYPE_CHECKING:
     from doormill_ros.catalogue.database import Catalogue
+
+MOST_HELD = 200  # messages of runs that do not end
 
 _LOG = logging.getLogger(__name__)
 
@@ -42,6 +45,7 @@ class RunFiller:
         self._decode = decode
         self._collector = RunCollector(recorder)
         self._catalogue: Catalogue | None = None
+        self._begun = False  # a run of this bag is noted
         self._received: queue.SimpleQueue[tuple[str, bytes, int] | None] = queue.SimpleQueue()
         self._thread = threading.Thread(target=self._fill, name="catalogue_filler", daemon=True)
 
@@ -68,13 +72,30 @@ class RunFiller:
             self._catalogue.close()
 
     def _fill(self) -> None:
+        # Read when a run has ended: before, the processor is the door's, which waits for its targets.
+        held: list[tuple[str, bytes, int]] = []
         while (item := self._received.get()) is not None:
+            held.append(item)
+            if item[0] == RUN_RESULT or len(held) >= MOST_HELD:
+                self._take_all(held)
+        self._take_all(held)
+
+    def _take_all(self, held: list[tuple[str, bytes, int]]) -> None:
+        for item in held:
             self._try(functools.partial(self._take, *item))
+        held.clear()
 
     def _take(self, topic: str, data: bytes, stamp_ns: int) -> None:
         if self._collector.take(topic, self._decode(topic, data), stamp_ns):
             bag = str(self._bag.resolve())
-            self._open().store(bag, [replace(run, bag=bag) for run in self._collector.runs()])
+            runs = [replace(run, bag=bag) for run in self._collector.runs(touched=True)]
+            catalogue = self._open()
+            if self._begun:
+                catalogue.add(runs)
+            else:  # takes the place of a recording that was made here before
+                catalogue.store(bag, runs)
+                self._begun = True
+            self._collector.noted()
 
     def _finish(self) -> None:
         if not self._collector.runs():

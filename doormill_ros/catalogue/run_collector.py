@@ -30,14 +30,14 @@ def topic_of(full_name: str) -> str | None:
 
 @dataclass
 class _Told:
-    """The messages of one run."""
+    """What the messages of one run told: no message is kept, a recorder sees hundreds of runs."""
 
-    recipe: Any = None
-    localizations: dict[int, Any] = field(default_factory=dict)
-    targets: Any = None
-    result: Any = None
-    begun_ns: int | None = None
-    ended_ns: int | None = None
+    run: CataloguedRun
+    of_recipe: bool = False
+    of_result: bool = False
+    poses: dict[int, dict[str, Any]] = field(default_factory=dict)  # by the picture's stamp
+    targets_ns: int = -1  # stamp of the picture that the targets follow
+    refused: dict[str, str] = field(default_factory=dict)  # by topic
 
 
 class RunCollector:
@@ -54,6 +54,7 @@ class RunCollector:
         self.refused = ""
         self._recorder = recorder
         self._told: dict[str, _Told] = {}
+        self._touched: dict[str, None] = {}
 
     def take(self, topic: str, message: Any, stamp_ns: int) -> bool:
         """Note a message.
@@ -77,55 +78,65 @@ class RunCollector:
             ) from error
 
     def _take(self, topic: str, message: Any, stamp_ns: int) -> bool:
-        told = self._told.setdefault(str(message.run_id), _Told())
-        if topic == RECIPE:
-            told.recipe, told.begun_ns = message, _whole(stamp_ns)
-        elif topic == LOCALIZATION:
+        run_id = str(message.run_id)
+        told = self._told.get(run_id)
+        if told is None:
+            cell, software = (one_line(self._recorder.get(key, "")) for key in (CELL, SOFTWARE))
+            told = self._told[run_id] = _Told(CataloguedRun(run_id, cell=cell, software=software))
+        self._touched[run_id] = None
+        if topic == LOCALIZATION:
             if message.accepted:
-                told.localizations[nanoseconds_of(message.header.stamp)] = message
-        elif topic == TARGETS:
-            told.targets = message
-        else:
-            told.result, told.ended_ns = message, _whole(stamp_ns)
+                told.poses[nanoseconds_of(message.header.stamp)] = _pose(message)
+            return False
+        told.refused.pop(topic, None)
+        try:
+            _READERS[topic](told, message, _whole(stamp_ns))
+        except BadRunRecordError as error:
+            told.refused[topic] = error.message
+        except (AttributeError, TypeError, ValueError) as error:
+            told.refused[topic] = f"run {run_id!r} has a message of another type: {error}"
         return topic == RUN_RESULT
 
-    def runs(self) -> list[CataloguedRun]:
-        """A row for each run that has a recipe or a result; what is wrong with one keeps no other out."""
+    def runs(self, touched: bool = False) -> list[CataloguedRun]:
+        """A row for each run that has a recipe or a result; what is wrong with one keeps no other out.
+
+        Args:
+            touched: Only of runs that were told of since `noted`.
+        """
         found, self.refused = [], ""
-        for run_id, told in self._told.items():
-            if told.recipe is None and told.result is None:
+        for run_id in self._touched if touched else self._told:
+            told = self._told[run_id]
+            if not (told.of_recipe or told.of_result):
                 continue
             try:
-                found.append(self._run(run_id, told))
+                _name(run_id, "run")
+                if told.refused:
+                    raise BadRunRecordError(next(iter(told.refused.values())))
+                found.append(_with_pose(told))
             except BadRunRecordError as error:
                 self.refused = self.refused or error.message
-            except (AttributeError, TypeError, ValueError) as error:
-                self.refused = self.refused or f"run {run_id!r} has a message of another type: {error}"
         return found
 
-    def _run(self, run_id: str, told: _Told) -> CataloguedRun:
-        first = told.recipe if told.recipe is not None else told.result
-        run = CataloguedRun(
-            run_id=_name(run_id, "run"),
-            door_id=_name(str(first.door_id), "door"),
-            cell=one_line(self._recorder.get(CELL, "")),
-            software=one_line(self._recorder.get(SOFTWARE, "")),
-            begun_ns=told.begun_ns,
-            ended_ns=told.ended_ns,
-        )
-        if told.recipe is not None:
-            digest = recipe_digest(told.recipe.document)
-            run = replace(run, recipe_version=_number(told.recipe.version), recipe_digest=digest)
-        if told.targets is not None:
-            run = _with_targets(run, told.targets)
-        if told.localizations:
-            run = _with_pose(run, told)
-        return run if told.result is None else _with_result(run, told.result)
+    def noted(self) -> None:
+        """What was told until now is where it belongs."""
+        self._touched.clear()
 
 
-def _with_targets(run: CataloguedRun, message: Any) -> CataloguedRun:
-    return replace(
-        run,
+def _read_recipe(told: _Told, message: Any, stamp_ns: int | None) -> None:
+    told.of_recipe = True
+    told.run = replace(
+        told.run,
+        begun_ns=stamp_ns,
+        door_id=_name(str(message.door_id), "door"),
+        recipe_version=_number(message.version),
+        recipe_digest=recipe_digest(message.document),
+    )
+
+
+def _read_targets(told: _Told, message: Any, stamp_ns: int | None) -> None:
+    told.targets_ns = nanoseconds_of(message.header.stamp)
+    told.run = replace(
+        told.run,
         robot_model=one_line(message.robot_model),
         model_version=_version(message),
         cycle_time=_finite(message.cycle_time),
@@ -134,22 +145,14 @@ def _with_targets(run: CataloguedRun, message: Any) -> CataloguedRun:
     )
 
 
-def _with_pose(run: CataloguedRun, told: _Told) -> CataloguedRun:
-    """The pose that the targets follow, else the last one."""
-    wanted = -1 if told.targets is None else nanoseconds_of(told.targets.header.stamp)
-    message: Any = told.localizations.get(wanted) or [*told.localizations.values()][-1]
-    p, q = message.pose.pose.position, message.pose.pose.orientation
-    pose = {"x": p.x, "y": p.y, "z": p.z, "qx": q.x, "qy": q.y, "qz": q.z, "qw": q.w}
-    pose |= {name: getattr(message, name) for name in ("offset_y", "offset_z", "offset_rotation", "residual")}
-    finite: dict[str, Any] = {name: _finite(value) for name, value in pose.items()}
-    return replace(run, **finite)
-
-
-def _with_result(run: CataloguedRun, message: Any) -> CataloguedRun:
+def _read_result(told: _Told, message: Any, stamp_ns: int | None) -> None:
+    told.of_result = True
     measured = bool(message.measured)
     times: dict[str, Any] = {name: _finite(getattr(message.times, name)) for name in _STAGES}
-    return replace(
-        run,
+    told.run = replace(
+        told.run,
+        ended_ns=stamp_ns,
+        door_id=told.run.door_id if told.of_recipe else _name(str(message.door_id), "door"),
         success=bool(message.success),
         error_code=_number(message.error_code),
         message=one_line(message.message),
@@ -159,6 +162,24 @@ def _with_result(run: CataloguedRun, message: Any) -> CataloguedRun:
         tolerance=_finite(message.tolerance) if measured else None,
         **times,
     )
+
+
+_READERS = {RECIPE: _read_recipe, TARGETS: _read_targets, RUN_RESULT: _read_result}
+
+
+def _pose(message: Any) -> dict[str, Any]:
+    p, q = message.pose.pose.position, message.pose.pose.orientation
+    pose = {"x": p.x, "y": p.y, "z": p.z, "qx": q.x, "qy": q.y, "qz": q.z, "qw": q.w}
+    pose |= {name: getattr(message, name) for name in ("offset_y", "offset_z", "offset_rotation", "residual")}
+    return {name: _finite(value) for name, value in pose.items()}
+
+
+def _with_pose(told: _Told) -> CataloguedRun:
+    """With the pose that the targets follow, else the last one."""
+    if not told.poses:
+        return told.run
+    pose = told.poses.get(told.targets_ns) or [*told.poses.values()][-1]
+    return replace(told.run, **pose)
 
 
 def _version(message: Any) -> str:

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import gc
 import random
 import shutil
 import signal
 import subprocess
 import sys
 import tempfile
+import time
+import weakref
+from collections.abc import Callable
 from math import isfinite
 from pathlib import Path
 from typing import Any
@@ -22,10 +26,19 @@ from doormill_ros.catalogue.database import Catalogue
 from doormill_ros.catalogue.filler import RunFiller
 from doormill_ros.catalogue.rebuild import rebuild
 from doormill_ros.catalogue.run import CatalogueRow
-from doormill_ros.catalogue.run_collector import recipe_digest
+from doormill_ros.catalogue.run_collector import RunCollector, recipe_digest
 from doormill_ros.errors import DoormillError
+from doormill_ros.recording.typestores import reader_of
 from support.hostile.mutations import mutated
-from support.run_bags import RECORDER, DrawnRun, decode, drawn_runs, write_inspection_note, write_run_bag
+from support.run_bags import (
+    RECORDER,
+    TYPES,
+    DrawnRun,
+    decode,
+    drawn_runs,
+    write_inspection_note,
+    write_run_bag,
+)
 from support.source_tree import ROOT
 
 BAGS = ROOT / "bags"
@@ -39,6 +52,13 @@ def filled(url: str, folder: Path, runs: list[DrawnRun], stop: bool = True) -> R
     if stop:
         filler.stop()
     return filler
+
+
+def wait_for(condition: Callable[[], object]) -> None:
+    deadline = time.monotonic() + 60.0
+    while not condition():
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
 
 
 def rows_of(url: str) -> list[CatalogueRow]:
@@ -123,6 +143,52 @@ def test_it_catches_up_when_the_catalogue_is_back(tmp_path: Path) -> None:
     filler.stop()
     assert filler.failure == ""
     assert [row.run.run_id for row in rows_of(str(place))] == ["run_0"]
+
+
+def test_it_catches_up_with_the_next_run_while_it_records(tmp_path: Path) -> None:
+    place = tmp_path / "away"
+    place.mkdir()
+    filler = RunFiller(str(place), tmp_path / "bag", RECORDER, decode)
+    filler.start()
+    write_run_bag(tmp_path / "bag", [DrawnRun("run_0")], filler.take)
+    wait_for(lambda: filler.failure)
+    place.rmdir()
+    write_run_bag(tmp_path / "further", [DrawnRun("run_1"), DrawnRun("run_2")], filler.take)
+    wait_for(lambda: place.is_file() and len(rows_of(str(place))) == 3)
+    assert [row.run.run_id for row in rows_of(str(place))] == ["run_0", "run_1", "run_2"]
+    filler._received.put(None)
+
+
+def test_a_run_that_ends_is_noted_without_those_before_it(tmp_path: Path) -> None:
+    """A recorder sees hundreds of runs: the last costs what the first did, and no message is kept."""
+    messages: list[weakref.ref[Any]] = []
+    collector = RunCollector(RECORDER)
+
+    def take(topic: str, data: bytes, stamp_ns: int) -> None:
+        message = reader_of(f"doormill_interfaces/msg/{TYPES[topic].__name__}")(data)
+        messages.append(weakref.ref(message))
+        if collector.take(topic, message, stamp_ns):
+            noted.append([run.run_id for run in collector.runs(touched=True)])
+            collector.noted()
+
+    noted: list[list[str]] = []
+    write_run_bag(tmp_path / "bag", [DrawnRun(f"run_{number}") for number in range(4)], take)
+    assert noted == [["run_0"], ["run_1"], ["run_2"], ["run_3"]]
+    gc.collect()
+    assert len(messages) > len(noted)
+    assert [message for message in messages if message() is not None] == []
+    assert [run.run_id for run in collector.runs()] == ["run_0", "run_1", "run_2", "run_3"]
+
+
+def test_a_recording_in_place_of_another_takes_its_runs_from_the_bag(tmp_path: Path) -> None:
+    """The one before was killed, and its bag removed by hand."""
+    url, bag = str(tmp_path / "catalogue"), tmp_path / "bag"
+    for name in ("run_0", "run_1"):
+        filler = filled(url, bag, [DrawnRun(name)], stop=False)
+        filler._received.put(None)
+        filler._thread.join()
+        shutil.rmtree(bag)
+    assert [(row.run.run_id, row.run.bag) for row in rows_of(url)] == [("run_0", ""), ("run_1", str(bag))]
 
 
 def test_a_message_that_nobody_foresaw_costs_no_later_run(tmp_path: Path) -> None:
