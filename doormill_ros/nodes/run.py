@@ -33,6 +33,8 @@ THREADS = 4  #: of a node's executor
 STOP_LIMIT = 1.0  # s
 #: What DDS and the interpreter may take for their end once nodes have closed; then the process ends without them [s].
 ENDING = 20.0
+#: After so long it is told where the closing stands [s]; it may go on, files are written meanwhile.
+CLOSING = 60.0
 BAD_ARGUMENTS = 2  #: exit status after which nobody starts the node again
 _PLACE_IN_RCL = re.compile(r",? at /\S+:\d+")
 # Parameters of glibc's mallopt.
@@ -69,6 +71,8 @@ def init(arguments: Sequence[str], handlers: SignalHandlerOptions = SignalHandle
 def run_nodes(*factories: Callable[[], ManagedNode], arguments: Sequence[str] | None = None) -> int:
     """Run nodes in this process until interrupted; the body of every node's executable."""
     interrupt_once()
+    # A library's fault that kills the process tells where it was called from.
+    faulthandler.enable(sys.__stderr__ or 2)
     arguments = sys.argv if arguments is None else arguments
     try:
         init(arguments)
@@ -101,6 +105,7 @@ def run_nodes(*factories: Callable[[], ManagedNode], arguments: Sequence[str] | 
             ignore_signals()
         except KeyboardInterrupt:
             ignore_signals()
+        faulthandler.dump_traceback_later(CLOSING, file=sys.__stderr__ or 2)
         for node in nodes:
             node.leave()
         shut_down(nodes, [executor], STOP_LIMIT)

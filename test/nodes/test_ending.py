@@ -35,6 +35,7 @@ class Signalled(ManagedNode):
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.raise_signal(number)
         print("closed")
+        time.sleep(float(sys.argv[4]))
 
     def destroy_node(self):
         super().destroy_node()
@@ -42,6 +43,7 @@ class Signalled(ManagedNode):
         time.sleep(float(sys.argv[2]))
 
 run.ENDING = float(sys.argv[3])
+run.CLOSING = float(sys.argv[5])
 sys.exit(run_nodes(Signalled, arguments=["signalled"]))
 """
 
@@ -84,9 +86,47 @@ def test_what_stands_still_after_the_closing_does_not_keep_the_process() -> None
     assert "in destroy_node" in ended.stderr
 
 
-def _signalled(first: signal.Signals, *, standing: float, ending: float) -> subprocess.CompletedProcess[str]:
+def test_a_closing_that_takes_long_says_where_it_stands_and_comes_to_its_end() -> None:
+    ended = _signalled(signal.SIGINT, standing=0.0, ending=LIMIT, closing_takes=3.0, told_after=0.5)
+    assert (ended.returncode, ended.stdout) == (0, "closed\ngone\n"), ended.stderr
+    assert "in teardown" in ended.stderr
+
+
+#: A fault of a library, while nodes spin.
+FAULTY = """
+import ctypes, sys
+from doormill_ros.nodes.managed_node import ManagedNode
+from doormill_ros.nodes.run import run_nodes
+
+class Faulty(ManagedNode):
+    def __init__(self):
+        super().__init__("faulty")
+
+    def start(self):
+        ctypes.string_at(0)
+
+sys.exit(run_nodes(Faulty, arguments=["faulty"]))
+"""
+
+
+def test_a_fault_of_a_library_tells_where_it_was_called_from() -> None:
+    command = [sys.executable, "-c", FAULTY]
+    ended = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT, check=False)
+    assert ended.returncode == -signal.SIGSEGV
+    assert "in start" in ended.stderr
+
+
+def _signalled(
+    first: signal.Signals,
+    *,
+    standing: float,
+    ending: float,
+    closing_takes: float = 0.0,
+    told_after: float = LIMIT,
+) -> subprocess.CompletedProcess[str]:
     """Of a node that stands still for `standing` when it has left the graph [s]."""
-    command = [sys.executable, "-c", SIGNALLED, str(int(first)), str(standing), str(ending)]
+    times = [standing, ending, closing_takes, told_after]
+    command = [sys.executable, "-c", SIGNALLED, str(int(first)), *map(str, times)]
     return subprocess.run(command, capture_output=True, text=True, timeout=LIMIT, check=False)
 
 

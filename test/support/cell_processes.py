@@ -210,7 +210,10 @@ class CellProcesses:
             assert time.monotonic() < deadline, f"waited for {limit:g} s in vain; {self._situation()}"
             for name, process in list(self.processes.items()):
                 if process.poll() is not None:
-                    assert is_renewed(self.log(name)), f"{name} ended by itself: {self.log(name)}"
+                    status = process.returncode
+                    assert is_renewed(self.log(name)), (
+                        f"{name} ended by itself with {status}: {self.log(name)}"
+                    )
                     self.start(name, *self._arguments[name])
             time.sleep(pause)
         return value

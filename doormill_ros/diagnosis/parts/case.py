@@ -9,6 +9,8 @@ import numpy as np
 from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
+_JOINTS, _TURNED = "joints along the normals", "turned wrench"  #: in the caches
+
 
 @dataclass(frozen=True, eq=False)
 class CutCase:
@@ -24,6 +26,7 @@ class CutCase:
         eye: Where the camera stood that saw the door of each point, base frame, shape (n, 3) [m].
         tip: The tool's tip, flange frame, shape (3,) [m].
         cache: Columns that have been asked for.
+        unloaded: Those that no load changes, of the same points under whatever loads.
     """
 
     load: LoadCase
@@ -35,6 +38,7 @@ class CutCase:
     eye: FloatArray
     tip: FloatArray
     cache: dict[object, FloatArray] = field(default_factory=dict)
+    unloaded: dict[object, FloatArray] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.normal)
@@ -44,39 +48,46 @@ class CutCase:
         result: FloatArray = np.einsum("ni,ni...->n...", self.normal, displacement)
         return result
 
+    def joints(self) -> FloatArray:
+        """What a radian of each joint moves each point along its normal, shape (n, 6) [m / rad]; of no load."""
+        if _JOINTS not in self.unloaded:
+            twists = self.load.joint_twists()
+            self.unloaded[_JOINTS] = np.einsum("ni,nki->nk", self.normal, twists[..., :3])
+        return self.unloaded[_JOINTS]
+
     def springs(self) -> FloatArray:
-        """What the linear joint springs move each point along its normal, shape (n,) [m]."""
-        return self.along(self.load.springs()[:, :3])
+        """What the linear joint springs move each point along its normal, shape (n,) [m] (thesis eq. 2.40)."""
+        give = self.load.torque / self.load.joint_stiffness
+        result: FloatArray = np.einsum("nk,nk->n", give, self.joints())
+        return result
 
     def felt(self, gain: FloatArray, angle: FloatArray) -> CutCase:
         """The same under wrenches times `gain`, turned about the tool by `angle` [rad], shape (n,) each."""
-        load = self.load
-        share = gain * np.stack([np.ones_like(angle), np.cos(angle), np.sin(angle)])
-        force, moment, torque = (np.einsum("cn,cn...->n...", share, part) for part in self._turned)
-        kept: dict[object, FloatArray] = {
-            key: value for key, value in load.cache.items() if isinstance(key, tuple) and key[0] == "joint"
-        }
-        return replace(
-            self, load=replace(load, force=force, moment=moment, torque=torque, cache=kept), cache={}
-        )
+        along, across, turned = self._turned
+        size = gain[:, None]
+        load = size * along + size * np.cos(angle)[:, None] * across + size * np.sin(angle)[:, None] * turned
+        return self._under(load[:, :3], load[:, 9:].reshape(-1, 7, 3), load[:, 3:9])
 
     def carrying(self, torque: FloatArray) -> CutCase:
         """The same with joints that carry more beside the process, shape (n, 6) [N m]; no force at the tool does."""
-        load = self.load
-        kept: dict[object, FloatArray] = {key: value for key, value in load.cache.items() if key == "joints"}
-        return replace(self, load=replace(load, torque=load.torque + torque, cache=kept), cache={})
+        return self._under(self.load.force, self.load.moment, self.load.torque + torque)
+
+    def _under(self, force: FloatArray, moment: FloatArray, torque: FloatArray) -> CutCase:
+        """The same under other loads; where everything is stays as it is."""
+        kept: dict[object, FloatArray] = {"joints": self.load.joint_twists()}
+        load = replace(self.load, force=force, moment=moment, torque=torque, cache=kept)
+        return replace(self, load=load, cache={})
 
     @property
-    def _turned(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Force, moments and torques of which a turn by a takes 1, cos a and sin a, computed once.
+    def _turned(self) -> FloatArray:
+        """Forces, torques and moments of which a turn by a takes 1, cos a and sin a, computed once.
 
         Of every vector v these are k (k v), v less that, and k x v, with k along the tool (Rodrigues' formula).
 
         Returns:
-            Shapes (3, n, 3) [N], (3, n, 7, 3) and (3, n, 6) [N m].
+            Shape (3, n, 30): force [N], torques of six joints, moments about seven frames [N m].
         """
-        names = "force", "moment", "torque"
-        if ("turned", "force") not in self.cache:
+        if _TURNED not in self.cache:
             load, axis = self.load, self.load.axes[:, 6, :, 2]
             tip = load.origin[:, 6] + load.axes[:, 6] @ self.tip
             couple = load.moment[:, 6] - np.cross(tip - load.origin[:, 6], load.force)
@@ -89,7 +100,5 @@ class CutCase:
             arm = tip[:, None] - load.origin
             moment = parts(couple)[:, :, None] + np.cross(arm, force[:, :, None])
             torque = np.einsum("nki,cnki->cnk", load.axes[:, :6, :, 2], moment[:, :, :6])
-            for name, found in zip(names, (force, moment, torque), strict=True):
-                self.cache["turned", name] = found
-        force, moment, torque = (self.cache["turned", name] for name in names)
-        return force, moment, torque
+            self.cache[_TURNED] = np.concatenate([force, torque, moment.reshape(3, -1, 21)], axis=2)
+        return self.cache[_TURNED]

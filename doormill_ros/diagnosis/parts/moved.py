@@ -10,6 +10,7 @@ from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.diagnosis.core.problem import split
 from doormill_ros.diagnosis.parts.case import CutCase
 from doormill_ros.diagnosis.parts.course import InTime
+from doormill_ros.diagnosis.parts.effects.effect import Unloaded
 from doormill_ros.diagnosis.parts.effects.elastic import Gap
 
 _STEP = 1e-4  #: of theta, to derive what a load does
@@ -41,22 +42,23 @@ def moved(case: CutCase, members: Sequence[InTime], theta: FloatArray) -> tuple[
 def by_load(case: CutCase, members: Sequence[InTime], theta: FloatArray, numbers: IntArray) -> FloatArray:
     """Derivative of that by numbers of theta that change loads, shape (n, k) [m].
 
-    Which flank a joint lies against changes nowhere or all at once: gaps have no part in it.
+    Which flank a joint lies against changes nowhere or all at once: gaps have no part in it, nor has what moves the
+    points whatever the joints carry.
     """
 
-    def without_gaps(theta: FloatArray) -> FloatArray:
-        parts = [part for part in split(members, theta) if not isinstance(part[0].effect, Gap)]
+    def by_what_changes(theta: FloatArray) -> FloatArray:
+        parts = [part for part in split(members, theta) if not isinstance(part[0].effect, (Gap, Unloaded))]
         smooth = [member for member, _ in parts]
         return moved(case, smooth, np.concatenate([np.zeros(0), *(part for _, part in parts)]))[0]
 
     found = np.empty((len(case), len(numbers)))
     if not len(numbers):
         return found
-    here = without_gaps(theta)
+    here = by_what_changes(theta)
     for column, i in enumerate(numbers):
         other = theta.copy()
         other[i] += _STEP
-        found[:, column] = (without_gaps(other) - here) / _STEP
+        found[:, column] = (by_what_changes(other) - here) / _STEP
     return found
 
 

@@ -50,3 +50,17 @@ class Effect(SizedEffect[CutCase]):
         """Set typical size and bounds of theta, shape (p,)."""
         self.scale = np.array(scale, dtype=float)
         self.lower, self.upper = np.full(len(self.scale), lower), np.full(len(self.scale), upper)
+
+
+class Unloaded(Effect):
+    """Moves points whatever the joints carry."""
+
+    def columns(self, case: CutCase) -> FloatArray:
+        """Computed once for the same points under whatever loads."""
+        if self.identity not in case.unloaded:
+            case.unloaded[self.identity] = self.displacement(case)
+        return case.unloaded[self.identity]
+
+    def displacement(self, case: CutCase) -> FloatArray:
+        """Points along their normals for theta = 1, shape (n, p) [m]; asks nothing of the loads."""
+        raise NotImplementedError

@@ -6,7 +6,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.parts.case import CutCase
-from doormill_ros.diagnosis.parts.effects.effect import Effect
+from doormill_ros.diagnosis.parts.effects.effect import Unloaded
 from doormill_ros.robot_model.candidate import CauseParameter, number
 from doormill_ros.units import UM
 
@@ -15,7 +15,7 @@ LINKS = tuple(f"link {k}" for k in range(2, 6))
 _ANGLE = 1e-5  #: theta 1 of an angle [rad]
 
 
-class LinkOffsets(Effect):
+class LinkOffsets(Unloaded):
     """Theta is what is added to d, a [um], theta and alpha [1e-5 rad] of one link of a Denavit-Hartenberg table."""
 
     name = "link_geometry"
@@ -31,16 +31,13 @@ class LinkOffsets(Effect):
         """What it leaves."""
         return "the tool is beside its place whether it cuts or not, by another way in every posture"
 
-    def columns(self, case: CutCase) -> FloatArray:
+    def displacement(self, case: CutCase) -> FloatArray:
         """Along the axis of the link's joint and along its own x axis, and about them."""
-        if self.identity not in case.cache:
-            link, load = number(self.where), case.load
-            along, across = load.axes[:, link - 1, :, 2], load.axes[:, link, :, 0]
-            turned = np.cross(along, load.point - load.origin[:, link - 1])
-            tilted = np.cross(across, load.point - load.origin[:, link])
-            moved = np.stack([UM * along, UM * across, _ANGLE * turned, _ANGLE * tilted], axis=2)
-            case.cache[self.identity] = case.along(moved)
-        return case.cache[self.identity]
+        link, load = number(self.where), case.load
+        along, across = load.axes[:, link - 1, :, 2], load.axes[:, link, :, 0]
+        turned = np.cross(along, load.point - load.origin[:, link - 1])
+        tilted = np.cross(across, load.point - load.origin[:, link])
+        return case.along(np.stack([UM * along, UM * across, _ANGLE * turned, _ANGLE * tilted], axis=2))
 
     def values(self, theta: FloatArray, case: CutCase) -> FloatArray:
         """d, a; theta, alpha."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.parts.case import CutCase
-from doormill_ros.diagnosis.parts.effects.effect import Effect
+from doormill_ros.diagnosis.parts.effects.effect import Unloaded
 from doormill_ros.robot_model.candidate import CauseParameter
 
 _SQUARE = 1e-7  #: theta 1 is this squared half width of the stretch over which the path is a mean [m^2]
@@ -14,7 +14,7 @@ _SQUARE = 1e-7  #: theta 1 is this squared half width of the stretch over which 
 _CORNER = np.sqrt(2.0) / 4.0
 
 
-class PathLag(Effect):
+class PathLag(Unloaded):
     """Theta tells over which stretch of itself the path is a mean, to first order in the curvature.
 
     The mean over h to either side of a point of a path of curvature k lies h^2 k / 6 towards the centre (the second
@@ -35,7 +35,7 @@ class PathLag(Effect):
         """What it leaves."""
         return "walls of tight arcs are left standing on the outside and straight ones are not"
 
-    def columns(self, case: CutCase) -> FloatArray:
+    def displacement(self, case: CutCase) -> FloatArray:
         """By curvature along the normals."""
         column: FloatArray = _SQUARE / 6.0 * case.along(case.bend)
         return column[:, None]

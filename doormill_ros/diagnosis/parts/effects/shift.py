@@ -8,7 +8,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.parts.case import CutCase
-from doormill_ros.diagnosis.parts.effects.effect import Effect
+from doormill_ros.diagnosis.parts.effects.effect import Effect, Unloaded
 from doormill_ros.diagnosis.parts.effects.force import TOOL
 from doormill_ros.robot_model.candidate import CauseParameter
 from doormill_ros.units import UM
@@ -17,7 +17,7 @@ _SECONDS_PER_HOUR = 3600.0
 _SLOPE = 1e-4  #: of a shift that changes over the cell, at theta 1
 
 
-class Shift(Effect):
+class Shift(Unloaded):
     """Columns that geometry alone decides."""
 
     of_robot = False
@@ -52,11 +52,9 @@ class Shift(Effect):
         """What it leaves."""
         return self._sentence
 
-    def columns(self, case: CutCase) -> FloatArray:
-        """Computed once for each case."""
-        if self.identity not in case.cache:
-            case.cache[self.identity] = self._columns(case)
-        return case.cache[self.identity]
+    def displacement(self, case: CutCase) -> FloatArray:
+        """As it was given."""
+        return self._columns(case)
 
     def values(self, theta: FloatArray, case: CutCase) -> FloatArray:
         """Parameters in a row."""
@@ -100,7 +98,7 @@ class Place(Shift):
         )
 
 
-class Warming(Effect):
+class Warming(Unloaded):
     """Growth away from the base that comes to rest with a time constant; theta is its end [um]."""
 
     name = "thermal_growth"
@@ -119,7 +117,7 @@ class Warming(Effect):
         """What it leaves."""
         return "the tool comes further forward from door to door, ever more slowly"
 
-    def columns(self, case: CutCase) -> FloatArray:
+    def displacement(self, case: CutCase) -> FloatArray:
         """Since the first door."""
         hours = (case.time - case.time.min()) / _SECONDS_PER_HOUR
         moved: FloatArray = _from_base(case) * (1.0 - np.exp(-hours / self.hours))

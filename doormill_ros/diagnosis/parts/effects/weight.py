@@ -28,17 +28,17 @@ class _Weight(Effect):
     def torques(self, case: CutCase) -> FloatArray:
         """About each joint for theta = 1, shape (n, 6, p) [N m]; computed once for each case."""
         key = (*self.identity, "torques")
-        if key not in case.cache:
-            case.cache[key] = self._torques(case)
-        return case.cache[key]
+        if key not in case.unloaded:
+            case.unloaded[key] = self._torques(case)
+        return case.unloaded[key]
 
     def _torques(self, case: CutCase) -> FloatArray:
         raise NotImplementedError
 
     def columns(self, case: CutCase) -> FloatArray:
         """What the springs make of the torques."""
-        along = np.einsum("ni,nki->nk", case.normal, case.load.joint_twists()[..., :3])
-        columns: FloatArray = np.einsum("nk,nkp->np", along / case.load.joint_stiffness, self.torques(case))
+        give = case.joints() / case.load.joint_stiffness
+        columns: FloatArray = np.einsum("nk,nkp->np", give, self.torques(case))
         return columns
 
 
