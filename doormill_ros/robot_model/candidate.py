@@ -81,6 +81,8 @@ class Candidate(Cause, Generic[Case]):
         lower, upper: Allowed theta, shape (p,).
         generalises: Name of the candidate at the same place that this one contains as a special case.
         kinked: Indices of theta in which the cost is not smooth; their uncertainty is profiled.
+        series: Of candidates that are one but for a number which is tried at some values instead of fitted: what they
+            have in common. Empty for all others.
     """
 
     parameters: tuple[CauseParameter, ...] = ()
@@ -89,6 +91,7 @@ class Candidate(Cause, Generic[Case]):
     upper: FloatArray
     generalises: str = ""
     kinked: tuple[int, ...] = ()
+    series: str = ""
 
     @property
     def size(self) -> int:

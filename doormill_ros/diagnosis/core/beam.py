@@ -206,15 +206,35 @@ class BeamSearch(Search[C, Fit[C]], Generic[C]):
     def without(self, model: Fit[C], *causes: C) -> Fit[C]:
         """The same model less some members, fitted anew, also from where the others stand now."""
         rest = tuple(c for c in model.members if all(c is not cause for cause in causes))
-        smaller = self.fit(rest)
-        tried = (model.identity, smaller.identity)
-        if rest and tried not in self._polished:
+        theta = np.concatenate([np.zeros(0), *(model.theta[model.part(c)] for c in rest)])
+        return self._fitted_from(model, rest, theta)
+
+    def _exchanged(self, best: Fit[C]) -> Iterator[list[Fit[C]]]:
+        """First with a number that is tried at some values at the others: nothing else has to move for it.
+
+        Without that member the others take over what they can, and from there the way back may lead elsewhere: a weight
+        that tells a joint which flank it lies against, say, where a gap of another crossing would do.
+        """
+        yield [
+            self._fitted_from(
+                best, [other if member is cause else member for member in best.members], best.theta
+            )
+            for cause in best.members
+            for other in self.candidates
+            if cause.series and (other.key, other.series) == (cause.key, cause.series) and other is not cause
+        ]
+        yield from super()._exchanged(best)
+
+    def _fitted_from(self, model: Fit[C], members: Sequence[C], theta: FloatArray) -> Fit[C]:
+        """A model like another one, fitted from starts of its own and from where that one stands, shape (p,)."""
+        found = self.fit(members)
+        tried = (model.identity, found.identity)
+        if members and tried not in self._polished:
             self._polished.add(tried)
-            theta = np.concatenate([model.theta[model.part(c)] for c in rest])
-            again = self.fitted(rest, [theta])
-            if again.score < smaller.score - QUANTUM:
-                self.fits[again.identity] = smaller = again
-        return smaller
+            again = self.fitted(members, [theta])
+            if again.score < found.score - QUANTUM:
+                self.fits[again.identity] = found = again
+        return found
 
     def offers(self, model: Fit[C], instead: C) -> list[C]:
         """The most promising candidates but for the one that left."""

@@ -125,6 +125,7 @@ class OverTime(Candidate[Any], Generic[F]):
         self.name, self.of_robot, self.named = effect.name, effect.of_robot, effect.named
         self.generalises = effect.generalises
         self.variant = ", ".join(word for word in (effect.variant, self.course.words) if word)
+        self.series = f"{effect.series} {self.course.words}" if effect.series else ""
         times = self.course.sizes
         self.scale = np.tile(effect.scale, times)
         self.lower, self.upper = np.tile(effect.lower, times), np.tile(effect.upper, times)

@@ -43,6 +43,7 @@ class Gap(Effect):
 
     name = "joint_backlash"
     parameters = DisplacementBacklash.parameters
+    series = "crossing"
 
     def __init__(self, where: str, crossing: float) -> None:
         """Joint, and the torque from which its gap is open [N m]."""
