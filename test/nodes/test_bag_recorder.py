@@ -161,7 +161,8 @@ def test_runs_are_noted_in_the_catalogue_as_they_end(
     recording = record(catalogue=url)
     publishers = [recording.publisher(topic) for topic in (topics.DOOR_RECIPE, topics.RUN_RESULT)]
     publishers[0].publish(topics.DOOR_RECIPE.type(run_id="run_1", door_id="door_1", version=3, document="{}"))
-    recording.wait(lambda: recording.recorder._runs._collector.runs())
+    # The result goes another way: what is noted with it has to be there first.
+    recording.wait(lambda: recording.recorder._writer.record.topics["/door/recipe"].message_count)
     publishers[1].publish(topics.RUN_RESULT.type(run_id="run_1", door_id="door_1", error_code=407))
     recording.wait((tmp_path / "runs.sqlite").exists)
     with Catalogue(url) as catalogue:
