@@ -6,9 +6,11 @@ node with fifty endpoints that takes longer than the message that woke it. Here 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.qos import QoSCompatibility, QoSProfile, qos_check_compatible
 
 PERIOD = 10.0  # s
@@ -37,25 +39,30 @@ class UnmatchedEndpoints:
 
     def _sentences(self) -> list[str]:
         node = self._node
-        sentences = []
+        # Of what is asked for twice, by a lesser quality where no better one is offered, one has to fit.
+        offers: dict[tuple[str, bytes], list[str]] = {}
         for subscription in list(node.subscriptions):
-            topic = subscription.topic_name
-            for other in node.get_publishers_info_by_topic(topic):
+            for topic, other in self._others(subscription, node.get_publishers_info_by_topic):
                 why = _mismatch(subscription, other, other.qos_profile, subscription.qos_profile)
-                if why:
-                    sentences.append(
-                        f"{_named(other)} publishes {topic}, and nothing of it arrives here: {why}; correct the offer"
-                    )
+                told = f"{_named(other)} publishes {topic}, and nothing of it arrives here: {why}; correct the offer"
+                offers.setdefault((topic, bytes(other.endpoint_gid)), []).append(why and told)
+        sentences = [told[0] for told in offers.values() if all(told)]
         for publisher in list(node.publishers):
-            topic = publisher.topic_name
-            for other in node.get_subscriptions_info_by_topic(topic):
+            for topic, other in self._others(publisher, node.get_subscriptions_info_by_topic):
                 why = _mismatch(publisher, other, publisher.qos_profile, other.qos_profile)
                 if why:
-                    sentences.append(
-                        f"{_named(other)} subscribes to {topic}, and nothing from here arrives there: {why}; correct "
-                        "the request"
-                    )
+                    told_of = f"{_named(other)} subscribes to {topic}, and nothing from here arrives there"
+                    sentences.append(f"{told_of}: {why}; correct the request")
         return sentences
+
+    @staticmethod
+    def _others(own: Any, ask: Callable[[str], list[Any]]) -> list[tuple[str, Any]]:
+        """Topic and endpoints on the other side of an own one; none where that is destroyed meanwhile."""
+        try:
+            topic = own.topic_name
+            return [(topic, other) for other in ask(topic)]
+        except rclpy_implementation.InvalidHandle:
+            return []
 
 
 def _mismatch(own: Any, other: Any, offered: Any, requested: Any) -> str:

@@ -116,3 +116,20 @@ def test_only_events_that_somebody_asks_for_are_looked_at(asking: Asking) -> Non
     endpoints = [*asking.publishers, *asking.subscriptions]
     assert len(endpoints) >= 4
     assert [endpoint.topic_name for endpoint in endpoints if endpoint.event_handlers] == []
+
+
+def test_an_endpoint_that_is_destroyed_meanwhile_is_passed_over(
+    asking: Asking, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    gone = list(asking.subscriptions)
+    asking.trigger_cleanup()
+    monkeypatch.setattr(Asking, "subscriptions", property(lambda _: gone))
+    assert UnmatchedEndpoints(asking).news() == []
+
+
+def test_what_is_taken_by_a_lesser_request_is_not_told_of(asking: Asking, other: Node) -> None:
+    topic = topics.DOOR_LOCALIZATION
+    other.create_publisher(topic.type, f"/{topic.name}", LESS)
+    heard(UnmatchedEndpoints(asking), bool)
+    asking.create_subscription(topic.type, topic.name, lambda _: None, LESS)
+    assert UnmatchedEndpoints(asking).news() == []
