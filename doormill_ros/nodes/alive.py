@@ -88,7 +88,8 @@ class AliveWatch:
         self._seen = {name: _Seen() for name in names}
         for name in self._seen:
             topic = alive_topic(name, lease)
-            events = SubscriptionEventCallbacks(liveliness=partial(self._count, name))
+            count = partial(self._count, name)
+            events = SubscriptionEventCallbacks(liveliness=count, use_default_callbacks=False)
             subscription = node.create_subscription(
                 topic.type, topic.name, lambda _: None, topic.requested, event_callbacks=events
             )

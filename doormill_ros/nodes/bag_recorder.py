@@ -175,7 +175,9 @@ class BagRecorder(ManagedNode):
         requested = QoSProfile(
             depth=max(10, offered.depth), reliability=offered.reliability, durability=offered.durability
         )
-        events = SubscriptionEventCallbacks(message_lost=lambda event: self._count_lost(name, event))
+        events = SubscriptionEventCallbacks(
+            message_lost=lambda event: self._count_lost(name, event), use_default_callbacks=False
+        )
         subscription = self.create_subscription(
             message_type, name, receive, requested, raw=True, event_callbacks=events
         )

@@ -141,7 +141,9 @@ class ManagedNode(ReportingNode):
                 self.get_logger().info(f"{topic.name} is offered best effort only; pictures may get lost")
                 create(topic.fallback)
 
-        events = SubscriptionEventCallbacks(incompatible_qos=fall_back) if topic.fallback else None
+        events = None
+        if topic.fallback:
+            events = SubscriptionEventCallbacks(incompatible_qos=fall_back, use_default_callbacks=False)
         create(topic.requested, events)
         return created[0]
 

@@ -19,6 +19,12 @@ from doormill_ros.cell.errors import BadParameterError
 from doormill_ros.errors import DoormillError, one_line, unexpected
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.parameter_changes import refusal
+from doormill_ros.nodes.unmatched import (
+    NO_PUBLISHER_EVENTS,
+    NO_SUBSCRIPTION_EVENTS,
+    PERIOD,
+    UnmatchedEndpoints,
+)
 
 OK: bytes = DiagnosticStatus.OK
 WARN: bytes = DiagnosticStatus.WARN
@@ -95,6 +101,20 @@ class ReportingNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
             DiagnosticArray, topics.DIAGNOSTICS.name, topics.DIAGNOSTICS.offered
         )
         self.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics)
+        self._unmatched = UnmatchedEndpoints(self)
+        self.create_timer(PERIOD, self.guarded(self._tell_unmatched))
+
+    def create_publisher(self, *args: Any, **kwargs: Any) -> Any:
+        """A publisher without the events of rclpy's default, see `unmatched`."""
+        return super().create_publisher(*args, **_with_events(kwargs, NO_PUBLISHER_EVENTS))
+
+    def create_subscription(self, *args: Any, **kwargs: Any) -> Any:
+        """A subscription without the events of rclpy's default, see `unmatched`."""
+        return super().create_subscription(*args, **_with_events(kwargs, NO_SUBSCRIPTION_EVENTS))
+
+    def _tell_unmatched(self) -> None:
+        for sentence in self._unmatched.news():
+            self.get_logger().warning(sentence)
 
     def create_timer(
         self, period: float, callback: Callable[[], None] | None, *args: Any, **kwargs: Any
@@ -280,3 +300,8 @@ class ReportingNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         array = DiagnosticArray(status=[status])
         array.header.stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(array)
+
+
+def _with_events(arguments: dict[str, Any], events: Any) -> dict[str, Any]:
+    """The arguments with these events, where they name none."""
+    return arguments if arguments.get("event_callbacks") else {**arguments, "event_callbacks": events}
