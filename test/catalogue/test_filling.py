@@ -54,6 +54,22 @@ def filled(url: str, folder: Path, runs: list[DrawnRun], stop: bool = True) -> R
     return filler
 
 
+def filled_in_vain(folder: Path) -> tuple[Path, RunFiller]:
+    """Record one run while the catalogue is away: a folder stands where it should be, which is the first part."""
+    place = folder / "away"
+    place.mkdir()
+    filler = RunFiller(str(place), folder / "bag", RECORDER, decode)
+    filler.start()
+    write_run_bag(folder / "bag", [DrawnRun("run_0")], filler.take)
+    return place, filler
+
+
+def cut_off(filler: RunFiller) -> None:
+    """End what notes runs as a killed recorder leaves it: nothing is finished."""
+    filler._received.put(None)
+    filler._thread.join()
+
+
 def wait_for(condition: Callable[[], object]) -> None:
     deadline = time.monotonic() + 60.0
     while not condition():
@@ -114,10 +130,9 @@ def test_rebuilding_gives_the_rows_that_filling_gave(inspected: list[int], data:
 def test_a_run_is_there_before_its_bag_is_closed_and_whole_once_it_is_rebuilt(tmp_path: Path) -> None:
     """The recorder is killed: what it noted has no checksum, the bag no end."""
     url, bag = str(tmp_path / "catalogue"), tmp_path / "bag"
-    ended, cut_off = DrawnRun("run_0"), DrawnRun("run_1", success=None)
-    filler = filled(url, bag, [ended, cut_off], stop=False)
-    filler._received.put(None)
-    filler._thread.join()
+    ended, broken_off = DrawnRun("run_0"), DrawnRun("run_1", success=None)
+    filler = filled(url, bag, [ended, broken_off], stop=False)
+    cut_off(filler)
     (row,) = rows_of(url)
     assert (row.run.run_id, row.run.success, row.run.bag, row.run.bag_sha256) == ("run_0", True, str(bag), "")
     first, second = rebuilt(url, tmp_path)
@@ -134,11 +149,7 @@ def test_the_bag_is_whole_when_the_catalogue_is_away(tmp_path: Path) -> None:
 
 
 def test_it_catches_up_when_the_catalogue_is_back(tmp_path: Path) -> None:
-    place = tmp_path / "away"
-    place.mkdir()
-    filler = RunFiller(str(place), tmp_path / "bag", RECORDER, decode)
-    filler.start()
-    write_run_bag(tmp_path / "bag", [DrawnRun("run_0")], filler.take)
+    place, filler = filled_in_vain(tmp_path)
     place.rmdir()
     filler.stop()
     assert filler.failure == ""
@@ -146,17 +157,13 @@ def test_it_catches_up_when_the_catalogue_is_back(tmp_path: Path) -> None:
 
 
 def test_it_catches_up_with_the_next_run_while_it_records(tmp_path: Path) -> None:
-    place = tmp_path / "away"
-    place.mkdir()
-    filler = RunFiller(str(place), tmp_path / "bag", RECORDER, decode)
-    filler.start()
-    write_run_bag(tmp_path / "bag", [DrawnRun("run_0")], filler.take)
+    place, filler = filled_in_vain(tmp_path)
     wait_for(lambda: filler.failure)
     place.rmdir()
     write_run_bag(tmp_path / "further", [DrawnRun("run_1"), DrawnRun("run_2")], filler.take)
     wait_for(lambda: place.is_file() and len(rows_of(str(place))) == 3)
     assert [row.run.run_id for row in rows_of(str(place))] == ["run_0", "run_1", "run_2"]
-    filler._received.put(None)
+    cut_off(filler)
 
 
 def test_a_run_that_ends_is_noted_without_those_before_it(tmp_path: Path) -> None:
@@ -185,8 +192,7 @@ def test_a_recording_in_place_of_another_takes_its_runs_from_the_bag(tmp_path: P
     url, bag = str(tmp_path / "catalogue"), tmp_path / "bag"
     for name in ("run_0", "run_1"):
         filler = filled(url, bag, [DrawnRun(name)], stop=False)
-        filler._received.put(None)
-        filler._thread.join()
+        cut_off(filler)
         shutil.rmtree(bag)
     assert [(row.run.run_id, row.run.bag) for row in rows_of(url)] == [("run_0", ""), ("run_1", str(bag))]
 

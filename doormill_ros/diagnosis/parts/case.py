@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
-_JOINTS, _TURNED = "joints along the normals", "turned wrench"  #: in the caches
+_JOINTS = "joints along the normals"  #: among the columns that no load changes
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,8 +26,7 @@ class CutCase:
         time: When the door of each point was milled [s since the epoch], shape (n,).
         eye: Where the camera stood that saw the door of each point, base frame, shape (n, 3) [m].
         tip: The tool's tip, flange frame, shape (3,) [m].
-        cache: Columns that have been asked for.
-        unloaded: Those that no load changes, of the same points under whatever loads.
+        unloaded: Columns that were asked for and that no load changes, of the same points under whatever loads.
     """
 
     load: LoadCase
@@ -37,7 +37,6 @@ class CutCase:
     time: FloatArray
     eye: FloatArray
     tip: FloatArray
-    cache: dict[object, FloatArray] = field(default_factory=dict)
     unloaded: dict[object, FloatArray] = field(default_factory=dict)
 
     def __len__(self) -> int:
@@ -76,9 +75,9 @@ class CutCase:
         """The same under other loads; where everything is stays as it is."""
         kept: dict[object, FloatArray] = {"joints": self.load.joint_twists()}
         load = replace(self.load, force=force, moment=moment, torque=torque, cache=kept)
-        return replace(self, load=load, cache={})
+        return replace(self, load=load)
 
-    @property
+    @cached_property
     def _turned(self) -> FloatArray:
         """Forces, torques and moments of which a turn by a takes 1, cos a and sin a, computed once.
 
@@ -87,18 +86,16 @@ class CutCase:
         Returns:
             Shape (3, n, 30): force [N], torques of six joints, moments about seven frames [N m].
         """
-        if _TURNED not in self.cache:
-            load, axis = self.load, self.load.axes[:, 6, :, 2]
-            tip = load.origin[:, 6] + load.axes[:, 6] @ self.tip
-            couple = load.moment[:, 6] - np.cross(tip - load.origin[:, 6], load.force)
+        load, axis = self.load, self.load.axes[:, 6, :, 2]
+        tip = load.origin[:, 6] + load.axes[:, 6] @ self.tip
+        couple = load.moment[:, 6] - np.cross(tip - load.origin[:, 6], load.force)
 
-            def parts(vector: FloatArray) -> FloatArray:
-                along = axis * np.sum(axis * vector, axis=1, keepdims=True)
-                return np.stack([along, vector - along, np.cross(axis, vector)])
+        def parts(vector: FloatArray) -> FloatArray:
+            along = axis * np.sum(axis * vector, axis=1, keepdims=True)
+            return np.stack([along, vector - along, np.cross(axis, vector)])
 
-            force = parts(load.force)
-            arm = tip[:, None] - load.origin
-            moment = parts(couple)[:, :, None] + np.cross(arm, force[:, :, None])
-            torque = np.einsum("nki,cnki->cnk", load.axes[:, :6, :, 2], moment[:, :, :6])
-            self.cache[_TURNED] = np.concatenate([force, torque, moment.reshape(3, -1, 21)], axis=2)
-        return self.cache[_TURNED]
+        force = parts(load.force)
+        arm = tip[:, None] - load.origin
+        moment = parts(couple)[:, :, None] + np.cross(arm, force[:, :, None])
+        torque = np.einsum("nki,cnki->cnk", load.axes[:, :6, :, 2], moment[:, :, :6])
+        return np.concatenate([force, torque, moment.reshape(3, -1, 21)], axis=2)
