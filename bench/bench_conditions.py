@@ -27,20 +27,20 @@ sys.path[:0] = [str(ROOT), str(ROOT / "bench"), str(ROOT / "test")]
 from rich.console import Console
 from rich.table import Table
 from scipy.stats import binom
+from wrong_pose import distance, is_wrong
 
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.errors import LocalizationError
 from doormill_ros.localization.localizer import localize, prepare
 from doormill_ros.simulation.picture.picture import render_picture
-from doormill_ros.units import DEG, MM, m_to_mm
+from doormill_ros.units import m_to_mm
 from support.pictures.beams_beside import compare
 from support.pictures.conditions import CONDITIONS, ConditionPicture, pictures
 from support.pictures.marked_cell import marked_cameras
 from support.pictures.unseen import DOUBTFUL, UNSEEN
 
 COUNT, SEED = 100, 7
-WRONG_PLACE, WRONG_ANGLE, WRONG_SIGMA = 0.1 * MM, 0.1 * DEG, 5.0
 FAIR_SHARE, CHANCE = 0.9, 0.05
 
 
@@ -84,12 +84,8 @@ def look(item: ConditionPicture, row: Row) -> None:
     except LocalizationError as reason:
         row.reasons[type(reason).__name__] += 1
         return
-    pose = np.array([found.offset.y, found.offset.z, found.offset.rotation])
-    error = pose - [scene.offset.y, scene.offset.z, scene.offset.rotation]
-    place = float(np.hypot(*error[:2]))
-    sigma = float(np.sqrt(error @ np.linalg.solve(found.covariance, error)))
-    row.worst = max(row.worst, place)
-    row.wrong += place > WRONG_PLACE or abs(error[2]) > WRONG_ANGLE or sigma > WRONG_SIGMA
+    row.worst = max(row.worst, distance(found, scene))
+    row.wrong += is_wrong(found, scene)
 
 
 def run(count: int = COUNT, seed: int = SEED) -> dict[str, Row]:

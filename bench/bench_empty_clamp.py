@@ -1,7 +1,7 @@
 """The localizer with and without a picture of the empty clamp: `python bench/bench_empty_clamp.py [COUNT [SEED]]`.
 
 One row a kind of picture (support/pictures/empty_clamps.py): how many were accepted and how many of those were wrong,
-without that picture and with it. Wrong is any pose where no door stands, else as in bench_conditions.py. Exit code 1
+without that picture and with it. Wrong is any pose where no door stands, else as in wrong_pose.py. Exit code 1
 when a pose is wrong that is accepted with the picture, or a good picture is refused because of it.
 """
 
@@ -22,19 +22,28 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(ROOT), str(ROOT / "bench"), str(ROOT / "test")]
 
 # ruff: noqa: E402
-from bench_conditions import WRONG_ANGLE, WRONG_PLACE, WRONG_SIGMA
 from rich.console import Console
 from rich.table import Table
+from wrong_pose import distance, is_wrong
 
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.localization.errors import LocalizationError
 from doormill_ros.localization.localizer import localize, prepare
-from doormill_ros.localization.result import Localization
 from doormill_ros.simulation.picture.picture import render_picture
 from doormill_ros.units import m_to_mm
 from support.pictures.empty_clamps import CLAMPS, ClampPicture, clamp_pictures
 
 COUNT, SEED = 60, 2027
+HEAD = [
+    "picture",
+    "pictures",
+    "accepted",
+    "wrong",
+    "accepted with",
+    "wrong with",
+    "worst, mm",
+    "right ones lost",
+]
 
 
 @dataclass
@@ -48,14 +57,11 @@ class Row:
     worst: float = 0.0
     times: list[float] = field(default_factory=list)
 
-
-def is_wrong(item: ClampPicture, found: Localization) -> bool:
-    """Whether a pose must not be milled."""
-    true, got = item.scene.offset, found.offset
-    error = np.array([got.y - true.y, got.z - true.z, got.rotation - true.rotation])
-    sigma = float(np.sqrt(error @ np.linalg.solve(found.covariance, error)))
-    far = np.hypot(*error[:2]) > WRONG_PLACE or abs(error[2]) > WRONG_ANGLE or sigma > WRONG_SIGMA
-    return bool(not item.stands or far)
+    def cells(self) -> list[str]:
+        """What stands below `HEAD`, less the name."""
+        pairs = zip(self.accepted, self.wrong, strict=True)
+        worst = f"{m_to_mm(self.worst):.3f}" if self.worst else ""
+        return [str(self.count), *(str(v) for pair in pairs for v in pair), worst, str(self.lost)]
 
 
 def look(item: ClampPicture, row: Row) -> None:
@@ -73,14 +79,12 @@ def look(item: ClampPicture, row: Row) -> None:
             row.lost += i and right
             return
         poses.append((found.offset, found.covariance.tolist()))
-        wrong = is_wrong(item, found)
+        wrong = not item.stands or is_wrong(found, scene)
         right = not wrong
         row.accepted[i] += 1
         row.wrong[i] += wrong
         if wrong and i and item.stands:
-            row.worst = max(
-                row.worst, float(np.hypot(found.offset.y - scene.offset.y, found.offset.z - scene.offset.z))
-            )
+            row.worst = max(row.worst, distance(found, scene))
     assert poses[0] == poses[1], "the picture of the empty clamp has changed a pose"
     spent = []
     for camera in cameras:  # now that both are warm
@@ -104,20 +108,9 @@ def run(count: int = COUNT, seed: int = SEED) -> dict[str, Row]:
 def main() -> int:
     """Print the table."""
     rows = run(*(int(v) for v in sys.argv[1:3]))
-    table = Table(
-        "picture",
-        "pictures",
-        "accepted",
-        "wrong",
-        "accepted with",
-        "wrong with",
-        "worst, mm",
-        "right ones lost",
-    )
+    table = Table(*HEAD)
     for name, row in rows.items():
-        pairs = [(row.accepted[i], row.wrong[i]) for i in (0, 1)]
-        worst = f"{m_to_mm(row.worst):.3f}" if row.worst else ""
-        table.add_row(name, str(row.count), *(str(v) for pair in pairs for v in pair), worst, str(row.lost))
+        table.add_row(name, *row.cells())
     Console(width=150).print(table)
     good = [row for name, row in rows.items() if CLAMPS[name].fair]
     everything = list(rows.values())

@@ -23,6 +23,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / "bench"), str(ROOT / "test")]
 
 # ruff: noqa: E402
 from localization_peers import Strips, canny_hough, segments
+from wrong_pose import WRONG_ANGLE, WRONG_PLACE
 
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.localization.camera import load_camera
@@ -39,9 +40,8 @@ COUNT, SEED = 300, 2018
 THESIS_TIME = 0.8  # s, thesis table 4.7
 LOST = np.array([10 * MM, 10 * MM, 2 * DEG])
 OURS, HOUGH, LSD = "ours", "Canny + Hough", "OpenCV line segments"
-# A pose is confidently wrong when it is off by more than half of what the thesis reached, or
-# by six of its own standard deviations.
-WRONG_PLACE, WRONG_ANGLE, WRONG_SIGMA = 0.1 * MM, 0.1 * DEG, 6.0
+# A pose is confidently wrong when it is wrong by its place or angle, or by six of its own standard deviations.
+WRONG_SIGMA = 6.0
 
 
 def timed(call, *args):

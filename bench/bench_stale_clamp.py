@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import sys
 import time
+from collections import Counter
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -24,9 +25,9 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(ROOT), str(ROOT / "bench"), str(ROOT / "test")]
 
 # ruff: noqa: E402
-from bench_empty_clamp import is_wrong
 from rich.console import Console
 from rich.table import Table
+from wrong_pose import is_wrong
 
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.localization.errors import LocalizationError
@@ -38,6 +39,8 @@ from support.pictures.empty_clamps import ClampPicture
 from support.pictures.stale_clamps import SINCE, stale_pictures
 
 COUNT, SEED = 20, 2029
+REASONS = ("moved", "changed", "relit")
+HEAD = ("since then", "pictures", "stale", *REASONS, "open", "median, px", "right", "with", "wrong", "with")
 
 
 @dataclass
@@ -46,11 +49,22 @@ class StaleRow:
 
     count: int = 0
     stale: int = 0
-    reasons: list[int] = field(default_factory=lambda: [0, 0, 0])
+    reasons: Counter[str] = field(default_factory=Counter)
     shifts: list[float] = field(default_factory=list)
     right: list[int] = field(default_factory=lambda: [0, 0])
     wrong: list[int] = field(default_factory=lambda: [0, 0])
     times: list[float] = field(default_factory=list)
+
+    @property
+    def open(self) -> int:
+        """Pictures in which too little background shows to tell where it lies."""
+        return self.count - len(self.shifts)
+
+    def cells(self) -> list[str]:
+        """What stands below `HEAD`, less the name."""
+        shift = f"{float(np.median(self.shifts)):.2f}" if self.shifts else ""
+        kinds = [self.count, self.stale, *(self.reasons[reason] for reason in REASONS), self.open]
+        return [*(str(n) for n in kinds), shift, *(str(n) for n in (*self.right, *self.wrong))]
 
 
 def look(item: ClampPicture, row: StaleRow) -> None:
@@ -63,7 +77,7 @@ def look(item: ClampPicture, row: StaleRow) -> None:
             found = localize(picture, camera, layout, scene.width, scene.thickness)
         except LocalizationError:
             continue
-        (row.wrong if is_wrong(item, found) else row.right)[i] += 1
+        (row.wrong if not item.stands or is_wrong(found, scene) else row.right)[i] += 1
     seen = face_view(known, layout, scene.width, scene.thickness)
     pose = np.array([scene.offset.y, scene.offset.z, scene.offset.rotation])
     fit_clamp(picture, known, known.empty[0], seen, pose)
@@ -73,8 +87,7 @@ def look(item: ClampPicture, row: StaleRow) -> None:
     if fit is None:
         return
     row.stale += fit.stale
-    for i, reason in enumerate((fit.moved, fit.changed, fit.relit)):
-        row.reasons[i] += reason
+    row.reasons.update(reason for reason in REASONS if getattr(fit, reason))
     if np.isfinite(fit.background.deviation):
         row.shifts.append(fit.background.moved)
 
@@ -87,37 +100,19 @@ def main() -> int:
     for name, row in rows.items():
         for item in stale_pictures(name, count, seed):
             look(item, row)
-    head = (
-        "since then",
-        "pictures",
-        "stale",
-        "moved",
-        "changed",
-        "relit",
-        "open",
-        "median, px",
-        "right",
-        "with",
-        "wrong",
-        "with",
-    )
-    table = Table(*head)
+    table = Table(*HEAD)
     for name, row in rows.items():
-        shift = f"{float(np.median(row.shifts)):.2f}" if row.shifts else ""
-        ways = [str(v) for v in (row.count, row.stale, *row.reasons, row.count - len(row.shifts))]
-        table.add_row(name, *ways, shift, *(str(v) for pair in (row.right, row.wrong) for v in pair))
+        table.add_row(name, *row.cells())
     Console(width=130).print(table)
     fresh = [row for name, row in rows.items() if not SINCE[name].stale]
     stale = [row for name, row in rows.items() if SINCE[name].stale]
     called = sum(row.stale for row in fresh)
-    noticed = sum(row.stale for row in stale)
     right, wrong = (
-        [sum(getattr(row, what)[i] for row in rows.values()) for i in (0, 1)] for what in ("right", "wrong")
+        np.sum([getattr(row, what) for row in rows.values()], axis=0).tolist() for what in ("right", "wrong")
     )
     print(f"fresh: {called} of {sum(row.count for row in fresh)} called stale")
-    left = sum(row.count - len(row.shifts) for row in stale)
-    print(f"in {left} of these too little background shows to tell where it lies")
-    print(f"stale: {noticed} of {sum(row.count for row in stale)} noticed")
+    print(f"in {sum(row.open for row in stale)} of these too little background shows to tell where it lies")
+    print(f"stale: {sum(row.stale for row in stale)} of {sum(row.count for row in stale)} noticed")
     print(
         f"right poses: {right[0]} without, {right[1]} with; wrong poses: {wrong[0]} without, {wrong[1]} with"
     )

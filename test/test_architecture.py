@@ -42,7 +42,7 @@ DOMAIN = [path for path in SOURCES if path.relative_to(PACKAGE).parts[0] != "nod
 
 @pytest.mark.parametrize("path", DOMAIN, ids=lambda p: str(p.relative_to(PACKAGE)))
 def test_domain_code_knows_no_ros(path: Path) -> None:
-    """Only nodes/ imports rclpy or messages, and only three command lines start nodes."""
+    """Only nodes/ imports rclpy or messages, and only `TOOLS_WITH_NODES` start nodes."""
     parts = path.relative_to(PACKAGE).parts
     ros = {m for m in imports_of(path) if is_ros(m)}
     assert not ros, f"{path} imports {ros}"

@@ -41,34 +41,33 @@ class ListedKind:
     help: str = ""
 
 
+def late_class(module: str, name: str) -> Callable[..., Kind[Any, Any]]:
+    """What makes a kind by the full name of its module, imported then, and the name of its class there."""
+    return lambda *told: getattr(import_module(module), name)(*told)
+
+
 #: Every kind; `diagnose` takes its options from them.
 KINDS = (
     ListedKind(
-        "doormill/measurement-set/1",
-        lambda *told: import_module("doormill_ros.diagnosis.loading.kind").LoadingTests(*told),
+        "doormill/measurement-set/1", late_class("doormill_ros.diagnosis.loading.kind", "LoadingTests")
     ),
-    ListedKind(
-        "doormill/pose-set/1", lambda *told: import_module("doormill_ros.diagnosis.pose.kind").Poses(*told)
-    ),
-    ListedKind(
-        "doormill/motion-set/1",
-        lambda *told: import_module("doormill_ros.diagnosis.motion.kind").Motions(*told),
-    ),
+    ListedKind("doormill/pose-set/1", late_class("doormill_ros.diagnosis.pose.kind", "Poses")),
+    ListedKind("doormill/motion-set/1", late_class("doormill_ros.diagnosis.motion.kind", "Motions")),
     ListedKind(
         "doormill/picture-set/1",
-        lambda *told: import_module("doormill_ros.diagnosis.camera.kind").Pictures(*told),
+        late_class("doormill_ros.diagnosis.camera.kind", "Pictures"),
         "pictures",
         "pictures of a moved door",
     ),
     ListedKind(
         "doormill/inspection/1",
-        lambda *told: import_module("doormill_ros.diagnosis.parts.kind").Inspections(*told),
+        late_class("doormill_ros.diagnosis.parts.kind", "Inspections"),
         "inspections",
         "one or many inspected doors",
     ),
     ListedKind(
         "doormill/bags",
-        lambda *told: import_module("doormill_ros.diagnosis.runs.kind").Runs(*told),
+        late_class("doormill_ros.diagnosis.runs.kind", "Runs"),
         "runs",
         "bags of a series of runs, without a gauge",
     ),

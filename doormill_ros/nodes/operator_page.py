@@ -132,12 +132,8 @@ class OperatorPage(ManagedNode):
         self._server = PageServer(app, host, self.value("port")).start()
         self.url = self._server.url
         for place, robot in self._places.items():
-            status, targets = (
-                topics.at(topic, place) if place else topic
-                for topic in (topics.ABB_STATUS, topics.PATH_TARGETS)
-            )
-            self.subscribe(status, partial(self._take_status, robot=robot))
-            self.subscribe(targets, partial(self._take_targets, robot=robot))
+            self.subscribe(topics.at(topics.ABB_STATUS, place), partial(self._take_status, robot=robot))
+            self.subscribe(topics.at(topics.PATH_TARGETS, place), partial(self._take_targets, robot=robot))
         self.subscribe(topics.DOOR_RECIPE, self._take_recipe)
         self.subscribe(topics.DOOR_LOCALIZATION, self._take_localization)
         self.subscribe(topics.DOOR_OVERLAY, self._take_overlay)

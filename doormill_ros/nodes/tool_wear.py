@@ -17,8 +17,6 @@ from doormill_ros.toolpath.tool_life import cut_lengths
 
 #: Once the robot has taken its file a run counts whole: how far it came before it broke off nobody knows.
 TAKEN = (HandshakeState.MILLING.value, HandshakeState.DONE.value)
-
-
 #: Where robots tell of what they do: the only one in the cell, two of them each in a namespace.
 PLACES = ("", *map(in_robot, ROBOTS))
 
@@ -39,8 +37,8 @@ class ToolWear:
         self._counted = dict.fromkeys(PLACES, "")
         self._recipe: Recipe | None = None
         for place in PLACES:
-            node.subscribe(_at(topics.PATH_TARGETS, place), partial(self._expect, place))
-            node.subscribe(_at(topics.ABB_STATUS, place), partial(self._watch, place))
+            node.subscribe(topics.at(topics.PATH_TARGETS, place), partial(self._expect, place))
+            node.subscribe(topics.at(topics.ABB_STATUS, place), partial(self._watch, place))
         node.subscribe(topics.RUN_RESULT, self._end)
 
     def begin(self, run_id: str, recipe: Recipe) -> None:
@@ -67,10 +65,6 @@ class ToolWear:
         if run_id and run_id != self._counted[place]:
             self._table.count(_share(run_id, place))
             self._counted[place] = run_id
-
-
-def _at(topic: topics.Topic, place: str) -> topics.Topic:
-    return topics.at(topic, place) if place else topic
 
 
 def _share(run_id: str, place: str) -> str:

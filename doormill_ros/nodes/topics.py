@@ -177,5 +177,6 @@ ALL: tuple[Topic, ...] = (
 
 
 def at(topic: Topic, namespace: str, name: str = "") -> Topic:
-    """A topic as it is in a namespace below the node's own, under another name where one is given."""
-    return replace(topic, name=f"{namespace}/{name or topic.name}")
+    """A topic as it is in a namespace below the node's own ("" for that), under another name where one is given."""
+    named = name or topic.name
+    return replace(topic, name=f"{namespace}/{named}" if namespace else named)

@@ -8,44 +8,20 @@ import pytest
 
 from doormill_ros.abb import signals
 from doormill_ros.abb.controller_state import ControllerReading, ControllerWatch
-from doormill_ros.abb.credentials import Credentials
 from doormill_ros.abb.link_errors import ControllerStateError, SignalAccessError
-from doormill_ros.abb.transports.rws import RwsTransport, connect_rws1, connect_rws2
-from doormill_ros.abb.transports.rws_http import LinkTimeouts
+from doormill_ros.abb.transports.rws import RwsTransport
 from doormill_ros.abb.transports.simulated_folder import SimulatedFolderTransport
 from doormill_ros.simulation.controller.operation.panel import ControlPanel
 from doormill_ros.simulation.controller.operation.states import OperatingMode, StopCause
-from doormill_ros.simulation.controller.rws_server.cabinet import Cabinet
 from doormill_ros.simulation.controller.rws_server.server import RwsServer
 from support.memory_transport import MemoryTransport
 
-LOGIN = Credentials("Default User", "robotics")
-PATIENT = LinkTimeouts(connect=60.0, read=60.0, write=60.0, total=120.0)
 FIT = ControllerReading("AUTO", "motoron", "running", 1.0)
-
-
-@pytest.fixture(params=[1, 2])
-def server(request: pytest.FixtureRequest, tmp_path: Path):
-    with RwsServer(Cabinet.create(tmp_path), request.param) as running:
-        running.version = request.param
-        yield running
 
 
 @pytest.fixture
 def panel(server: RwsServer) -> ControlPanel:
     return server.cabinet.idle.panel
-
-
-@pytest.fixture
-def link(server: RwsServer):
-    if server.version == 1:
-        transport = connect_rws1(server.url, LOGIN, timeouts=PATIENT, subscribe=False)
-    else:
-        transport = connect_rws2(
-            server.url, LOGIN, certificate=server.certificate, timeouts=PATIENT, subscribe=False
-        )
-    yield transport
-    transport.close()
 
 
 def test_only_web_services_tell_how_the_controller_is(link: RwsTransport, tmp_path: Path) -> None:

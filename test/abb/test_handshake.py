@@ -6,7 +6,6 @@ import ast
 import itertools
 import threading
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -42,6 +41,7 @@ from doormill_ros.abb.link_errors import (
 )
 from doormill_ros.abb.transport import Transport
 from support.memory_transport import MemoryTransport
+from support.waiting import until
 
 FILE = b"1;2;3;1;0;0;0;0;0;0;0;\n" * 14
 LIMITS = HandshakeTimeouts(submission=10.0, acknowledge=5.0, milling=100.0, link_loss=1.0)
@@ -935,13 +935,6 @@ def test_the_loop_answers_and_stops_without_help() -> None:
     assert not transport.signal(signals.READY)
 
 
-def until(condition: Callable[[], object]) -> None:
-    limit = time.monotonic() + 60.0
-    while not condition():
-        assert time.monotonic() < limit
-        time.sleep(0.001)
-
-
 def test_a_loop_that_is_held_leaves_the_file_of_another_bridge_alone() -> None:
     transport = MemoryTransport()
     transport.write_file(signals.TARGET_FILE, b"of another bridge")
@@ -983,10 +976,7 @@ def test_a_programming_error_in_the_loop_leaves_the_controller_cleared() -> None
     loop = HandshakeLoop(handshake)
     transport.set_signal(signals.REQUEST, True)
     loop.start()
-    limit = time.monotonic() + 60.0
-    while not handshake.snapshot.accepts_submission:
-        assert time.monotonic() < limit
-        time.sleep(0.001)
+    until(lambda: handshake.snapshot.accepts_submission)
     handshake.submit("run", "door", FILE)
     assert ready.wait(60)
     seen: list[object] = []

@@ -12,9 +12,9 @@ import pytest
 from doormill_ros.abb.credentials import Credentials
 from doormill_ros.abb.link_errors import ControllerReplyError
 from doormill_ros.abb.transports.rws_answer import LARGEST
-from doormill_ros.abb.transports.rws_http import LinkTimeouts, RwsHttp
+from doormill_ros.abb.transports.rws_http import RwsHttp
+from support.web_services import PATIENT
 
-PATIENT = LinkTimeouts(connect=60.0, read=60.0, write=60.0, total=120.0)
 TOO_MUCH = 600 * 1024 * 1024
 BUFFERS = 60 * 1024 * 1024  #: more than two sockets hold between them
 PIECE = bytes(64 * 1024)

@@ -9,20 +9,17 @@ import pytest
 
 from doormill_ros.abb import signals
 from doormill_ros.abb.analog_inputs import AnalogInputs, decimal
-from doormill_ros.abb.credentials import Credentials
 from doormill_ros.abb.handshake.state import HandshakeSnapshot, HandshakeState
 from doormill_ros.abb.link_errors import ReadTimeoutError, SignalReadError, UnknownSignalError
 from doormill_ros.abb.spindle_load import LoadSample, SpindleLoadMeter
-from doormill_ros.abb.transports.rws import RwsTransport, connect_rws1, connect_rws2
-from doormill_ros.abb.transports.rws_http import LinkTimeouts
+from doormill_ros.abb.transports.rws import RwsTransport
 from doormill_ros.abb.transports.simulated_folder import SimulatedFolderTransport
 from doormill_ros.simulation.controller.io_configuration import read_io_configuration
-from doormill_ros.simulation.controller.rws_server.cabinet import Cabinet, SimulatedSignal
+from doormill_ros.simulation.controller.rws_server.cabinet import SimulatedSignal
 from doormill_ros.simulation.controller.rws_server.server import RwsServer
 from support.memory_transport import MemoryTransport
 from support.source_tree import ROOT
 
-LOGIN = Credentials("Default User", "robotics")
 MILLING = HandshakeSnapshot(HandshakeState.MILLING, "", 0.0, run_id="one")
 
 
@@ -127,24 +124,6 @@ def test_the_simulated_folder_holds_it_in_a_file(folder: SimulatedFolderTranspor
     file.write_text("much")
     with pytest.raises(SignalReadError, match="much"):
         folder.read_analog(signals.SPINDLE_LOAD)
-
-
-@pytest.fixture(params=[1, 2])
-def server(request: pytest.FixtureRequest, tmp_path: Path):
-    with RwsServer(Cabinet.create(tmp_path), request.param) as running:
-        running.version = request.param
-        yield running
-
-
-@pytest.fixture
-def link(server: RwsServer):
-    options = {"timeouts": LinkTimeouts.within(60.0), "subscribe": False}
-    if server.version == 1:
-        transport = connect_rws1(server.url, LOGIN, **options)
-    else:
-        transport = connect_rws2(server.url, LOGIN, certificate=server.certificate, **options)
-    yield transport
-    transport.close()
 
 
 def test_web_services_tell_it(link: RwsTransport, server: RwsServer) -> None:

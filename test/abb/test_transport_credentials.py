@@ -28,14 +28,12 @@ from doormill_ros.abb.link_errors import (
     LoginError,
 )
 from doormill_ros.abb.transports.rws import connect_rws1, connect_rws2
-from doormill_ros.abb.transports.rws_http import LinkTimeouts
 from doormill_ros.simulation.controller.rws_server.app import Behaviour
 from doormill_ros.simulation.controller.rws_server.cabinet import Cabinet
 from doormill_ros.simulation.controller.rws_server.server import RwsServer
+from support.web_services import link_to
 
 SECRET = "qu8-Zebra!wagon"
-#: A busy machine answers late; what is tried here are logins.
-PATIENT = LinkTimeouts.within(120.0)
 
 
 def write(path: Path, text: str, mode: int = 0o600) -> Path:
@@ -136,11 +134,7 @@ def test_the_password_is_in_no_log_record_and_no_error(
     behaviour = Behaviour(user="mill", password=SECRET)
     with RwsServer(Cabinet.create(tmp_path), version, behaviour=behaviour) as server:
         for password in (SECRET, SECRET + "x"):
-            credentials = Credentials("mill", password)
-            if version == 1:
-                link = connect_rws1(server.url, credentials, timeouts=PATIENT)
-            else:
-                link = connect_rws2(server.url, credentials, certificate=server.certificate, timeouts=PATIENT)
+            link = link_to(server, Credentials("mill", password), subscribe=True)
             try:
                 link.write_file("Hei2.txt", b"x")
                 link.read_request()

@@ -51,32 +51,8 @@ from doormill_ros.simulation.controller.rws_server.certificate import write_cert
 from doormill_ros.simulation.controller.rws_server.reply import CODE_INVALID, RefusalError
 from doormill_ros.simulation.controller.rws_server.server import RwsServer
 from support.source_tree import ROOT
-
-LOGIN = Credentials("Default User", "robotics")
-#: A loaded machine must not turn an answer into a timeout.
-PATIENT = LinkTimeouts(connect=60.0, read=60.0, write=60.0, total=120.0)
-
-
-@pytest.fixture(params=[1, 2])
-def server(request: pytest.FixtureRequest, tmp_path: Path):
-    with RwsServer(Cabinet.create(tmp_path), request.param) as running:
-        running.version = request.param
-        yield running
-
-
-def link_to(server: RwsServer, credentials: Credentials = LOGIN, **options: object) -> RwsTransport:
-    options.setdefault("timeouts", PATIENT)
-    options.setdefault("subscribe", False)
-    if server.version == 1:
-        return connect_rws1(server.url, credentials, **options)
-    return connect_rws2(server.url, credentials, certificate=server.certificate, **options)
-
-
-@pytest.fixture
-def link(server: RwsServer):
-    transport = link_to(server)
-    yield transport
-    transport.close()
+from support.waiting import until
+from support.web_services import LOGIN, PATIENT, link_to
 
 
 @pytest.fixture
@@ -85,13 +61,6 @@ def listening(server: RwsServer):
     until(lambda: transport.events.live)
     yield transport
     transport.close()
-
-
-def until(condition: object) -> None:
-    limit = time.monotonic() + 120
-    while not condition():
-        assert time.monotonic() < limit, "did not happen"
-        time.sleep(0.005)
 
 
 def test_is_a_transport(link: RwsTransport) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ssl
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -18,14 +17,14 @@ from doormill_ros.abb.handshake.state import HandshakeState as State
 from doormill_ros.abb.link_errors import WriteAccessError
 from doormill_ros.abb.transports import control_station
 from doormill_ros.abb.transports.rws import RwsTransport, connect_rws2
-from doormill_ros.abb.transports.rws_http import LinkTimeouts
 from doormill_ros.simulation.controller.operation.states import OperatingMode
 from doormill_ros.simulation.controller.rws_server.cabinet import Cabinet
 from doormill_ros.simulation.controller.rws_server.control_stations import ControlStations
 from doormill_ros.simulation.controller.rws_server.server import RwsServer
+from support.waiting import until
+from support.web_services import link_to
 
 LOGIN = Credentials("Default User", "robotics", "4711")
-PATIENT = LinkTimeouts(connect=60.0, read=60.0, write=60.0, total=120.0)
 FORM = "application/x-www-form-urlencoded;v=2.0"
 OTHER = "{0f7bd9a1-6d5e-4c4b-9b43-0a6f3c1d2e55}"
 STATION = "/rw/controlstation"
@@ -43,9 +42,7 @@ def stations(server: RwsServer) -> ControlStations:
 
 
 def connect(server: RwsServer, credentials: Credentials = LOGIN) -> RwsTransport:
-    return connect_rws2(
-        server.url, credentials, certificate=server.certificate, timeouts=PATIENT, subscribe=False
-    )
+    return link_to(server, credentials)
 
 
 @pytest.fixture
@@ -226,27 +223,24 @@ def test_in_manual_mode_nobody_grants_a_privilege(link: RwsTransport, server: Rw
 
 
 def test_a_handshake_over_it(server: RwsServer, tmp_path: Path) -> None:
-    def until(state: State) -> None:
-        limit = time.monotonic() + 120
-        while handshake.snapshot.state is not state:
-            assert time.monotonic() < limit, handshake.snapshot
-            time.sleep(0.005)
+    def until_state(state: State) -> None:
+        until(lambda: handshake.snapshot.state is state, lambda: handshake.snapshot)
 
     link = connect(server)
     link.in_doubt_time = 0.0  # nothing comes late here
     cabinet, handshake = server.cabinet, SharedHandshake(link)
     with HandshakeLoop(handshake):
-        until(State.IDLE)
+        until_state(State.IDLE)
         (tmp_path / signals.REQUEST_FILE).write_text("3\n")
         cabinet.set_value(signals.REQUEST, 1)
-        until(State.REQUESTED)
+        until_state(State.REQUESTED)
         handshake.submit("run", "door", b"1;2;\n")
-        until(State.READY)
+        until_state(State.READY)
         assert cabinet.value(signals.READY_NUMBER) == 3
         assert (tmp_path / signals.TARGET_FILE).read_bytes() == b"1;2;\n"
         (tmp_path / signals.ACCEPTED_FILE).write_text("run\n3\n")
         cabinet.set_value(signals.REQUEST, 0)
-        until(State.MILLING)
+        until_state(State.MILLING)
         cabinet.set_value(signals.DONE, 1)
-        until(State.DONE)
+        until_state(State.DONE)
     assert handshake.outcome("run").milled is True

@@ -9,9 +9,7 @@ import signal
 import subprocess
 import sys
 import tempfile
-import time
 import weakref
-from collections.abc import Callable
 from math import isfinite
 from pathlib import Path
 from typing import Any
@@ -40,6 +38,7 @@ from support.run_bags import (
     write_run_bag,
 )
 from support.source_tree import ROOT
+from support.waiting import until
 
 BAGS = ROOT / "bags"
 
@@ -68,13 +67,6 @@ def cut_off(filler: RunFiller) -> None:
     """End what notes runs as a killed recorder leaves it: nothing is finished."""
     filler._received.put(None)
     filler._thread.join()
-
-
-def wait_for(condition: Callable[[], object]) -> None:
-    deadline = time.monotonic() + 60.0
-    while not condition():
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
 
 
 def rows_of(url: str) -> list[CatalogueRow]:
@@ -158,10 +150,10 @@ def test_it_catches_up_when_the_catalogue_is_back(tmp_path: Path) -> None:
 
 def test_it_catches_up_with_the_next_run_while_it_records(tmp_path: Path) -> None:
     place, filler = filled_in_vain(tmp_path)
-    wait_for(lambda: filler.failure)
+    until(lambda: filler.failure)
     place.rmdir()
     write_run_bag(tmp_path / "further", [DrawnRun("run_1"), DrawnRun("run_2")], filler.take)
-    wait_for(lambda: place.is_file() and len(rows_of(str(place))) == 3)
+    until(lambda: place.is_file() and len(rows_of(str(place))) == 3)
     assert [row.run.run_id for row in rows_of(str(place))] == ["run_0", "run_1", "run_2"]
     cut_off(filler)
 

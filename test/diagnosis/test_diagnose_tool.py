@@ -11,7 +11,6 @@ from doormill_ros.robot_model.extended_model import load_compliance_model
 from doormill_ros.tools.diagnose import main
 
 BACKLASH = {"cause": "joint_backlash", "where": "joint 1", "parameters": {"gap": 8e-5, "crossing": 20.0}}
-VERDICTS = {"consistent", "explained", "partly_explained", "unexplained"}
 
 
 def run(capsys, *arguments):

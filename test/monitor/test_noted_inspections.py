@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import shutil
-import time
-from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -20,6 +18,7 @@ from doormill_ros.monitor.questioner import Questioner
 from doormill_ros.monitor.watch import ModelWatch
 from doormill_ros.monitor.watch_state import WatchSettings
 from support.source_tree import ROOT
+from support.waiting import until
 
 SETTINGS = WatchSettings(doors=40, since="", limit=0.0, patience=600.0, model="")
 NOW_NS = 4_000_000_000 * 10**9
@@ -63,13 +62,6 @@ class Cell:
         with Catalogue(self.url) as catalogue:
             rows = [row.inspection for row in catalogue.rows() if row.inspection is not None]
         return {row.run_id: str(Path(row.inspection).relative_to(self._kept)) for row in rows}
-
-
-def until(condition: Callable[[], bool]) -> None:
-    deadline = time.monotonic() + 60.0
-    while not condition():
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
 
 
 @pytest.fixture

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import errno
 import threading
-import time
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,7 @@ import pytest
 from doormill_ros.recording.bag_filler import BagFiller
 from doormill_ros.recording.bag_writer import BagWriter
 from doormill_ros.recording.bounded_queue import BoundedQueue, Received
+from support.waiting import until
 
 TOPIC, MESSAGE = "run/note", bytes(8)
 
@@ -46,10 +46,7 @@ def test_topics_are_in_the_metadata_before_a_message_of_theirs_is_written(tmp_pa
     filler = BagFiller(queue, writer)
     filler.start()
     filler.add_topic("run/late", "std_msgs/msg/String", [])
-    end = time.monotonic() + 60.0
-    while "run/late" not in metadata.read_text():
-        assert time.monotonic() < end
-        time.sleep(0.01)
+    until(lambda: "run/late" in metadata.read_text())
     filler.stop()
 
 

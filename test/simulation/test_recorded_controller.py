@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from pathlib import Path
 
 from hypothesis import given
@@ -16,6 +15,7 @@ from doormill_ros.simulation.recorded_controller import (
     controller_events,
     with_end,
 )
+from support.waiting import until
 
 S = 1_000_000_000  # ns
 LIMIT = 30.0  # s
@@ -104,10 +104,7 @@ def test_the_request_alternates_whatever_was_recorded(
 
 
 def _wait(io: FolderIo, signal: str, value: int) -> None:
-    deadline = time.monotonic() + LIMIT
-    while io.read(signal) != value:
-        assert time.monotonic() < deadline, f"{signal} never became {value}"
-        time.sleep(0.005)
+    until(lambda: io.read(signal) == value, lambda: f"{signal} never became {value}")
 
 
 def test_it_waits_for_ready_and_ends_the_program(tmp_path: Path) -> None:

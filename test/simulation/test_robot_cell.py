@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import threading
-import time
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -15,6 +13,7 @@ from doormill_ros.simulation.controller.arm import ControllerArm
 from doormill_ros.simulation.controller.io_port import FolderIo
 from doormill_ros.simulation.robot_cell import RobotCell, RobotCellRun
 from support.faults.world import make_file
+from support.waiting import until
 
 DOOR = "door_a"
 LIMIT = 120.0  # s
@@ -29,23 +28,16 @@ class Pc:
         self.requests: list[str] = []
 
     def answer(self, run_id: str, data: bytes) -> None:
-        self._wait(lambda: self._io.read(signals.REQUEST) == 1)
+        until(lambda: self._io.read(signals.REQUEST) == 1)
         number = (self._home / signals.REQUEST_FILE).read_text().strip()
         self.requests.append(number)
         (self._home / signals.TARGET_FILE).write_bytes(data)
         (self._home / signals.ORDER_FILE).write_text(f"{run_id}\n{number}\n")
         self._io.write(signals.READY_NUMBER, int(number))
         self._io.write(signals.READY, 1)
-        self._wait(lambda: self._io.read(signals.REQUEST) == 0)
+        until(lambda: self._io.read(signals.REQUEST) == 0)
         self._io.write(signals.READY_NUMBER, 0)
         self._io.write(signals.READY, 0)
-
-    @staticmethod
-    def _wait(condition: Callable[[], bool]) -> None:
-        limit = time.monotonic() + LIMIT
-        while not condition():
-            assert time.monotonic() < limit
-            time.sleep(0.002)
 
 
 @pytest.fixture

@@ -9,6 +9,8 @@ ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "doormill_ros"
 DATA = ROOT / "test" / "data"
 SOURCES = sorted(PACKAGE.rglob("*.py"))
+#: Functions that import the module which their first argument names.
+LATE = ("import_module", "late_class")
 
 
 def imports_of(path: Path) -> set[str]:
@@ -20,10 +22,10 @@ def imports_of(path: Path) -> set[str]:
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{path} uses a relative import"
             found.add(node.module)
-        elif isinstance(node, ast.Call) and _name(node.func) == "import_module" and node.args:
+        elif isinstance(node, ast.Call) and _name(node.func) in LATE and node.args:
             first = node.args[0]
             if isinstance(first, ast.Constant) and isinstance(first.value, str):
-                found.add(first.value)  # an optional dependency
+                found.add(first.value)  # an optional dependency, or one that takes long
     return found
 
 

@@ -9,7 +9,8 @@ import pytest
 from doormill_ros.cell.run_folder import ShiftFolder
 from doormill_ros.cell.shift_summary import ShiftSummary
 from doormill_ros.cell.summary import FeatureError, RunSummary
-from doormill_ros.tools.cell import main, parse
+from doormill_ros.tools.cell import main
+from doormill_ros.tools.cell_options import parse
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,8 @@ from doormill_ros.abb import link_errors, signals
 from doormill_ros.abb.backoff import Backoff, Outage
 from doormill_ros.abb.handshake.access import ControllerAccess
 from doormill_ros.abb.handshake.announced import AnnouncedWatch
-from doormill_ros.abb.handshake.inbox import Inbox, RunLedger, Submission
+from doormill_ros.abb.handshake.inbox import Inbox, Submission
+from doormill_ros.abb.handshake.ledger import RunLedger
 from doormill_ros.abb.handshake.milling import MillingWatch
 from doormill_ros.abb.handshake.request import PresentRequest
 from doormill_ros.abb.handshake.state import CLEARED, HandshakeSnapshot, HandshakeTimeouts, RunOutcome

@@ -1,14 +1,14 @@
-"""What other threads ask of the handshake: to hand over a file, to give up, and how a run ended."""
+"""What other threads ask of the handshake: to hand over a file, to name a door, to give up."""
 
 from __future__ import annotations
 
 import threading
 from collections.abc import Callable
 from concurrent.futures import Future
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from doormill_ros.abb import signals
-from doormill_ros.abb.handshake.state import HandshakeSnapshot, HandshakeState, RunOutcome
+from doormill_ros.abb.handshake.state import HandshakeSnapshot, HandshakeState
 from doormill_ros.abb.link_errors import (
     DoorNameError,
     EmptyTargetFileError,
@@ -21,7 +21,6 @@ from doormill_ros.abb.link_errors import (
 )
 
 _RUNS_REMEMBERED = 10_000
-_OUTCOMES_REMEMBERED = 1000
 LONGEST_NAME = 40  #: of a door; RAPID strings hold 80 and a line of the pendant 40
 
 
@@ -151,44 +150,3 @@ class Inbox:
             reason, self._abort_reason = self._abort_reason, None
         if reason is not None:
             raise RunAbortedError(reason)
-
-
-class RunLedger:
-    """Which run is being handed over, and how the earlier ones ended.
-
-    Written by the stepping thread; `outcome` may be asked from any.
-    """
-
-    def __init__(self) -> None:
-        self._present: Submission | None = None
-        self._outcomes: dict[str, RunOutcome] = {}
-
-    def begin(self, submission: Submission) -> None:
-        """This run is being handed over now."""
-        self._present = submission
-
-    def end(self, handed_over: bool, code: int, reason: str) -> RunOutcome | None:
-        """Close the present run; None when there is none."""
-        run, self._present = self._present, None
-        if run is None:
-            return None
-        outcome = RunOutcome(run.run_id, run.door_id, handed_over, code, reason)
-        self._outcomes[run.run_id] = outcome
-        if len(self._outcomes) > _OUTCOMES_REMEMBERED:
-            del self._outcomes[next(iter(self._outcomes))]
-        return outcome
-
-    def recall(self, run_id: str, milled: bool | None, reason: str) -> None:
-        """A run that was handed over before this process began; how far the robot is with it."""
-        if run_id:
-            self._outcomes.setdefault(run_id, RunOutcome(run_id, "", True, 0, reason, milled))
-
-    def end_milling(self, run_id: str, milled: bool, reason: str) -> None:
-        """Say how the milling of a run that was handed over ended; without effect for another."""
-        outcome = self._outcomes.get(run_id)
-        if outcome is not None and outcome.handed_over:
-            self._outcomes[run_id] = replace(outcome, milled=milled, reason=reason)
-
-    def outcome(self, run_id: str) -> RunOutcome | None:
-        """How a run ended, None while it goes on or when it is unknown."""
-        return self._outcomes.get(run_id)

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from doormill_ros.abb import link_errors, signals
 from doormill_ros.abb.handshake.access import FAULT_WHILE_MILLING, NO_REASON, ControllerAccess
-from doormill_ros.abb.handshake.inbox import RunLedger
+from doormill_ros.abb.handshake.ledger import RunLedger
 from doormill_ros.abb.handshake.state import HandshakeState
 
 

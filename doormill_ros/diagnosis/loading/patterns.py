@@ -63,7 +63,11 @@ class Pattern(LinearTwist):
 
 #: Least amplitude of a pattern that may have either sign.
 _ANY = -1e6
-_TWIST = 1e-6  #: of a link under torsion at theta 1 [rad / (N m) a metre]
+# What patterns make at amplitude 1.
+_TWIST = 1e-6  #: of a link under torsion [rad / (N m) a metre]
+_YIELD = 1e-7  #: of bearings and base [m / N], [rad / (N m)]
+_OFFSET = 1e-5  #: of a tracker [m]
+_FORCE = 10.0  #: that a sensor reads without load [N]
 #: What a pattern makes of joint k, 0 ... 5.
 Law = Callable[[LoadCase, int], list[FloatArray]]
 
@@ -75,10 +79,6 @@ def _joint(k: int, law: Law) -> Callable[[LoadCase], FloatArray]:
         return np.stack([angle[:, None] * case.joint_twist(k) for angle in law(case, k)], axis=2)
 
     return twists
-
-
-def _at(k: int, unit: Callable[[LoadCase, int], FloatArray]) -> Callable[[LoadCase], FloatArray]:
-    return lambda case: unit(case, k)
 
 
 def _springs(case: LoadCase, k: int) -> FloatArray:
@@ -102,6 +102,17 @@ def _shift(vectors: list[FloatArray], case: LoadCase, first_link: int) -> FloatA
     return twist
 
 
+def _along_axes(case: LoadCase, size: FloatArray) -> FloatArray:
+    """A shift of all points along each axis, by multiples of `_OFFSET`, shape (n,)."""
+    return _shift([_OFFSET * size[:, None] * axis for axis in np.eye(3)], case, 0)
+
+
+def _over(values: FloatArray) -> FloatArray:
+    """From -0.5 to 0.5 or so over their range, 0 in the mean, shape (n,); 0 where all are the same."""
+    range_ = np.ptp(values)
+    return np.zeros_like(values) if range_ == 0.0 else (values - values.mean()) / range_
+
+
 def unnamed_patterns(
     q: FloatArray, time: FloatArray, temperature: FloatArray, dt: FloatArray
 ) -> list[Pattern]:
@@ -113,12 +124,18 @@ def unnamed_patterns(
         temperature: Shape (n,) [deg C], NaN where unknown.
         dt: Time under load, shape (n,) [s].
     """
-    late = np.zeros_like(time) if np.ptp(time) == 0.0 else (time - time.mean()) / np.ptp(time)
-    long = np.zeros_like(dt) if np.ptp(dt) == 0.0 else (dt - dt.mean()) / np.ptp(dt)
-    warm = np.where(np.isfinite(temperature), temperature, np.nan)
-    warm = np.nan_to_num(warm - np.nanmean(warm)) if np.isfinite(warm).any() else np.zeros_like(time)
-    # Name, numbers, law and least amplitude; a spring that stiffens with the torque has a name, one that softens none.
-    laws: tuple[tuple[str, int, Law, float], ...] = (
+    known = np.where(np.isfinite(temperature), temperature, np.nan)
+    warm = np.zeros_like(time) if np.isnan(known).all() else np.nan_to_num(known - np.nanmean(known))
+    late = _over(time)
+    laws = _joint_laws(q, late, _over(dt), warm)
+    return [pattern for k in range(6) for pattern in _of_joint(k, laws)] + _of_all(late, warm)
+
+
+def _joint_laws(
+    q: FloatArray, late: FloatArray, long: FloatArray, warm: FloatArray
+) -> tuple[tuple[str, int, Law, float], ...]:
+    """Name, numbers, law and least amplitude; one that stiffens with the torque has a name, one that softens none."""
+    return (
         ("joint_ripple", 2, lambda c, k: [f(q[:, k]) * _springs(c, k) for f in (np.sin, np.cos)], _ANY),
         (
             "joint_double_ripple",
@@ -136,48 +153,36 @@ def unnamed_patterns(
         ("joint_creep", 1, lambda c, k: [late * _full(c, k)], _ANY),
         ("joint_warming", 1, lambda c, k: [_springs(c, k) * warm], _ANY),
     )
-    found = []
-    for k in range(6):
-        where = f"joint {k + 1}"
-        found += [Pattern(name, where, size, _joint(k, law), lowest) for name, size, law, lowest in laws]
-        found += [
-            Pattern("link_torsion", f"link {k + 1}", 1, _at(k, _torsion)),
-            Pattern("bearing_shift", where, 1, _at(k, lambda c, k: _shift([1e-7 * c.force], c, k + 1))),
-        ]
-    found += [
-        Pattern("base_shift", "base", 1, lambda c: _shift([1e-7 * c.force], c, 0)),
-        Pattern(
-            "base_turn",
-            "base",
-            1,
-            lambda c: c.rotate(1e-7 * c.moment[:, 0] * np.array([0.0, 0.0, 1.0]), 0, 0)[:, :, None],
-        ),
-        Pattern(
-            "constant_shift",
-            "tracker",
-            3,
-            lambda c: _shift([np.broadcast_to(1e-5 * e, (len(c), 3)) for e in np.eye(3)], c, 0),
-        ),
-        Pattern(
-            "time_trend", "tracker", 3, lambda c: _shift([1e-5 * late[:, None] * e for e in np.eye(3)], c, 0)
-        ),
-        Pattern(
-            "temperature_trend",
-            "tracker",
-            3,
-            lambda c: _shift([1e-5 * warm[:, None] * e for e in np.eye(3)], c, 0),
-        ),
+
+
+def _of_joint(k: int, laws: tuple[tuple[str, int, Law, float], ...]) -> list[Pattern]:
+    """Those of one joint, of the link behind it and of its bearing."""
+    where = f"joint {k + 1}"
+    return [
+        *(Pattern(name, where, size, _joint(k, law), lowest) for name, size, law, lowest in laws),
+        Pattern("link_torsion", f"link {k + 1}", 1, lambda c: _torsion(c, k)),
+        Pattern("bearing_shift", where, 1, lambda c: _shift([_YIELD * c.force], c, k + 1)),
+    ]
+
+
+def _of_all(late: FloatArray, warm: FloatArray) -> list[Pattern]:
+    """Those of base, tracker and sensor, and of all springs together."""
+    return [
+        Pattern("base_shift", "base", 1, lambda c: _shift([_YIELD * c.force], c, 0)),
+        Pattern("base_turn", "base", 1, _turned_base),
+        Pattern("constant_shift", "tracker", 3, lambda c: _along_axes(c, np.ones(len(c)))),
+        Pattern("time_trend", "tracker", 3, lambda c: _along_axes(c, late)),
+        Pattern("temperature_trend", "tracker", 3, lambda c: _along_axes(c, warm)),
         Pattern("springs_warming", "cell", 1, lambda c: (warm[:, None] * c.springs())[:, :, None]),
         Pattern("springs_ageing", "cell", 1, lambda c: (late[:, None] * c.springs())[:, :, None]),
-        Pattern("load_bias", "sensor", 3, lambda c: _bias(c)),
-        Pattern(
-            "step_in_time",
-            "tracker",
-            3,
-            lambda c: _shift([1e-5 * np.sign(late)[:, None] * e for e in np.eye(3)], c, 0),
-        ),
+        Pattern("load_bias", "sensor", 3, _bias),
+        Pattern("step_in_time", "tracker", 3, lambda c: _along_axes(c, np.sign(late))),
     ]
-    return found
+
+
+def _turned_base(case: LoadCase) -> FloatArray:
+    """The base turned about z by the moment about that."""
+    return case.rotate(_YIELD * case.moment[:, 0] * np.array([0.0, 0.0, 1.0]), 0, 0)[:, :, None]
 
 
 def _torsion(case: LoadCase, k: int) -> FloatArray:
@@ -192,11 +197,10 @@ def _bias(case: LoadCase) -> FloatArray:
     """A constant force in flange axes: what a badly zeroed sensor leaves."""
     twists = []
     for axis in np.moveaxis(case.axes[:, 6], 2, 0):
-        load = case.point * 0.0
         arm = case.origin[:, 6][:, None] - case.origin[:, :6]
         torque = np.einsum("nki,nki->nk", case.axes[:, :6, :, 2], np.cross(arm, axis[:, None]))
-        load = sum(
-            (10.0 * torque[:, k] / case.joint_stiffness[k])[:, None] * case.joint_twist(k) for k in range(6)
-        )
-        twists.append(load)
+        twist = np.zeros((len(case), 6))
+        for k in range(6):
+            twist += (_FORCE * torque[:, k] / case.joint_stiffness[k])[:, None] * case.joint_twist(k)
+        twists.append(twist)
     return np.stack(twists, axis=2)

@@ -118,8 +118,8 @@ class Inspections(SearchedKind[InspectedDoor, DoorProblem, InTime]):
         again = problem.placed_by(found.best.members, found.best.theta)
         best = found.best
         white = again.predict(best.members, best.theta).white[best.weights > 0.0]
-        leaves_chance = min(chi2_sf(np.sum(white**2), len(white)), again.chance_of_places) > _CHANCE
-        if leaves_chance and again.place_step == 0:
+        leaves_chance = min(chi2_sf(np.sum(white**2), len(white)), again.door_places.chance) > _CHANCE
+        if leaves_chance and again.door_places.step == 0:
             return found
         progress("the doors scatter less than it seemed: asking once more")
         steps = {*possible_steps(again), *_steps_in(found)}

@@ -9,10 +9,14 @@ it, or of any, where nothing is wrong with one recipe more than with another.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from doormill_ros.arrays import FloatArray, IntArray
+from doormill_ros.diagnosis.parts.cut_points import CutPoints
+from doormill_ros.diagnosis.parts.gauged_door import GaugedDoor
+from doormill_ros.diagnosis.parts.place_step import place_step
 from doormill_ros.distributions import chi2_ppf, chi2_sf
 
 APART = 0.05  #: between places of the cell that count as two, on a joint's way over the door [m]
@@ -25,6 +29,75 @@ _MEDIAN = 0.6745  #: of the size of a normal number, in standard deviations
 _NEIGHBOURS = 5  #: neighbouring doors of any recipe from which on theirs do
 #: Chance that doors which are too few for either scatter more than they are taken to.
 _UNDERSTATED = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class DoorPlaces:
+    """What the places of doors can make of the deviations of their points, and how the doors stand.
+
+    Attributes:
+        known: Whitened effects of the places that a localizer states, each of unit variance, shape (n, k).
+        free: Those of doors that may have stood anywhere, shape (n, m).
+        chance: Probability that doors stand as differently as they do by how far they are taken to scatter.
+        step: Number of the door from which on they stand elsewhere; 0 for none.
+    """
+
+    known: FloatArray
+    free: FloatArray
+    chance: float = 1.0
+    step: int = 0
+
+
+def door_places(
+    doors: Sequence[GaugedDoor],
+    door: IntArray,
+    points: CutPoints,
+    noise: FloatArray,
+    unexplained: FloatArray,
+) -> DoorPlaces:
+    """Where doors stood, by what a model leaves of their points.
+
+    Args:
+        doors: In the order in which they were milled.
+        door: Number of the door of each point, shape (n,).
+        points: Of all doors.
+        noise: Standard deviation of each deviation, shape (n,) [m].
+        unexplained: Deviations that the model leaves, in standard deviations, shape (n,).
+    """
+    free: list[FloatArray] = []
+    known: list[FloatArray] = []
+    fitted, recipe = [], []
+    for number, one in enumerate(doors):
+        rows = door == number
+        point, normal, nothing = points.point[rows], points.normal[rows], np.zeros((rows.sum(), 0))
+        scale = 1.0 / noise[rows, None]
+        if one.placing is None:
+            free.append(free_columns(point, normal) * scale)
+            known.append(nothing)
+            continue
+        free.append(nothing)
+        known.append(seen_columns(point, normal, one.corner) * scale)
+        fitted.append(np.linalg.lstsq(known[-1], unexplained[rows], rcond=None)[0])
+        recipe.append(one.recipe)
+    n, anywhere = len(points), block_columns(door, free, len(points))
+    placings = [one.placing for one in doors if one.placing is not None]
+    if not placings:
+        return DoorPlaces(np.zeros((n, 0)), anywhere)
+    stated, places = np.mean(placings, axis=0), np.array(fitted)
+    own = scatter_between(places, recipe, np.diag(stated))
+    value, vector = np.linalg.eigh(stated - np.diag(own))
+    shared = vector * np.sqrt(np.maximum(value, 0.0))  # the same for all doors
+    each, together = [], np.zeros((n, 3))
+    for number, block in enumerate(known):
+        each.append(block * np.sqrt(own) if block.shape[1] else block)
+        if block.shape[1]:
+            together[door == number] = block @ shared
+    return DoorPlaces(
+        np.hstack([block_columns(door, each, n), together]),
+        anywhere,
+        chance_of_places(places, own),
+        place_step(places, recipe) if len(places) == len(doors) else 0,
+    )
 
 
 def free_columns(point: FloatArray, normal: FloatArray) -> FloatArray:

@@ -33,15 +33,7 @@ from doormill_ros.diagnosis.parts.gauged_door import GaugedDoor
 from doormill_ros.diagnosis.parts.matching import cut_case
 from doormill_ros.diagnosis.parts.moved import by_load, moved
 from doormill_ros.diagnosis.parts.order import in_order
-from doormill_ros.diagnosis.parts.place_step import place_step
-from doormill_ros.diagnosis.parts.placement import (
-    block_columns,
-    chance_of_places,
-    free_columns,
-    places_of,
-    scatter_between,
-    seen_columns,
-)
+from doormill_ros.diagnosis.parts.placement import DoorPlaces, door_places, places_of
 from doormill_ros.robot.description import Robot
 from doormill_ros.units import m_to_um
 
@@ -69,8 +61,7 @@ class DoorProblem(Examined[InTime]):
         door: Number of the door of each point, shape (n,).
         points: All of them.
         steps: Doors from which on something may have changed.
-        chance_of_places: Probability that doors stand as differently as they do by how far they are taken to scatter.
-        place_step: Number of the door from which on they stand elsewhere; 0 for none.
+        door_places: Where the doors stood, as far as that is known.
     """
 
     unit = METRES
@@ -108,7 +99,8 @@ class DoorProblem(Examined[InTime]):
         self.folds = make_folds(self.configuration)
         self.steps: tuple[int, ...] = ()
         self._unexplained = (self.measured - self.case.springs()) / self.noise
-        self.placement = self._placement()
+        self.door_places = self._places()
+        self.nuisance = self._nuisance()
 
     def __len__(self) -> int:
         return len(self.points)
@@ -153,54 +145,26 @@ class DoorProblem(Examined[InTime]):
         """
         other = copy(self)
         other._unexplained = (self.measured - moved(self.case, members, theta)[0]) / self.noise
-        other.placement = other._placement()
+        other.door_places = other._places()
+        other.nuisance = other._nuisance()
         return other
 
     def changed_at(self, steps: tuple[int, ...]) -> Self:
         """The same doors, with the numbers of those from which on something may have changed."""
         other = copy(self)
         other.steps = steps
-        other.placement = other._placement()
+        other.nuisance = other._nuisance()
         return other
 
-    def _placement(self) -> Nuisance:
-        self.chance_of_places, self.place_step = 1.0, 0
-        n, free = len(self), [np.zeros((0, 0))] * len(self.doors)
-        known = [np.zeros((0, 0))] * len(self.doors)
-        place, recipe = [], []
-        for number, door in enumerate(self.doors):
-            rows = self.door == number
-            point, normal = self.points.point[rows], self.points.normal[rows]
-            scale = 1.0 / self.noise[rows, None]
-            if door.placing is None:
-                free[number], known[number] = free_columns(point, normal) * scale, np.zeros((rows.sum(), 0))
-                continue
-            columns = seen_columns(point, normal, door.corner) * scale
-            free[number], known[number] = np.zeros((rows.sum(), 0)), columns
-            place.append(np.linalg.lstsq(columns, self._unexplained[rows], rcond=None)[0])
-            recipe.append(door.recipe)
-        columns = np.zeros((n, 0))
-        placings = [door.placing for door in self.doors if door.placing is not None]
-        if placings:
-            stated = np.mean(placings, axis=0)
-            own = scatter_between(np.array(place), recipe, np.diag(stated))
-            self.chance_of_places = chance_of_places(np.array(place), own)
-            if len(place) == len(self.doors):
-                self.place_step = place_step(np.array(place), recipe)
-            common = stated - np.diag(own)
-            value, vector = np.linalg.eigh(common)
-            shared = vector * np.sqrt(np.maximum(value, 0.0))
-            each = [block * np.sqrt(own) if block.shape[1] else block for block in known]
-            together = np.zeros((n, 3))
-            for number, block in enumerate(known):
-                if block.shape[1]:
-                    together[self.door == number] = block @ shared
-            columns = np.hstack([block_columns(self.door, each, n), together])
+    def _places(self) -> DoorPlaces:
+        return door_places(self.doors, self.door, self.points, self.noise, self._unexplained)
+
+    def _nuisance(self) -> Nuisance:
+        """Places of the doors and surfaces of the mill; its face anew from each step on."""
         wall = self.points.wall
         mill = np.column_stack([FLANK * wall, FACE * ~wall]) / self.noise[:, None]
         after = [mill[:, 1] * (self.door >= step) for step in self.steps]
-        columns = np.column_stack([columns, mill, *after])
-        return Nuisance(columns, block_columns(self.door, free, n))
+        return Nuisance(np.column_stack([self.door_places.known, mill, *after]), self.door_places.free)
 
     def effects(self) -> list[Effect]:
         """Everything that may be wrong, whatever its course."""
@@ -243,7 +207,7 @@ class DoorProblem(Examined[InTime]):
     def predict(self, members: Sequence[InTime], theta: FloatArray, derivative: bool = False) -> Prediction:
         """Residuals, likelihood and derivatives of a model, as `Problem.predict`."""
         displaced, case = moved(self.case, members, theta)
-        white = self.placement.take(((self.measured - displaced) / self.noise)[:, None])
+        white = self.nuisance.take(((self.measured - displaced) / self.noise)[:, None])
         cost = np.sum(white**2, axis=1)
         residual = self.measured_part(white)
         if not derivative:
@@ -253,7 +217,7 @@ class DoorProblem(Examined[InTime]):
         derived[:, of_load] = by_load(self.case, members, theta, np.flatnonzero(of_load))
         others = [member.derivative(case) for member in members if not member.effect.of_load]
         derived[:, ~of_load] = np.hstack([np.zeros((len(self), 0)), *others])
-        columns = self.placement.take(derived / self.noise[:, None])
+        columns = self.nuisance.take(derived / self.noise[:, None])
         return Prediction(residual, white, cost, columns[:, None])
 
     def derivative_alone(self, cause: InTime) -> FloatArray:

@@ -28,7 +28,7 @@ def possible_steps(problem: DoorProblem) -> tuple[int, ...]:
     if count < DOORS_OVER_TIME:
         return ()
     look = _Look(problem)
-    found = [problem.place_step] if problem.place_step > 0 else []
+    found = [problem.door_places.step] if problem.door_places.step > 0 else []
     for _ in range(_ROUNDS):
         step = look.join_best()
         if step is None:
@@ -77,7 +77,7 @@ class _Look:
         """Step and whitened columns of every course of an effect; 0 for one without a step."""
         door, count = self._problem.door, len(self._problem.doors)
         late = door[:, None] / (count - 1.0)
-        take = self._problem.placement.take
+        take = self._problem.nuisance.take
         if not lasting:
             return [(0, take(columns))]
         found = [(0, take(columns)), (0, take(np.hstack([columns, columns * late])))]
@@ -98,7 +98,7 @@ class _Look:
         if not rows.any():
             return False
         after = columns * (self._problem.door >= step)[:, None]
-        take = self._problem.placement.take
+        take = self._problem.nuisance.take
         target, constant, change = (
             values[rows]
             for values in (self._left[:, None], self._less(take(columns)), self._less(take(after)))

@@ -55,7 +55,6 @@ class Validation:
         for block in fitted.blocks:
             seen[block.series] = seen.get(block.series, -1) + 1
             fold.append(seen[block.series] % FOLDS)
-        self.fold_of_block = np.array(fold)
         folds = [[b for b, at in zip(fitted.blocks, fold, strict=True) if at == k] for k in range(FOLDS)]
         parts = (add_up(part, problem.size) for part in folds)
         others = left_out(*add_up(fitted.blocks, problem.size), parts, self._learnt)

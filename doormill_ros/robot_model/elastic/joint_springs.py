@@ -12,8 +12,8 @@ from doormill_ros.robot.kinematics import Kinematics
 class JointSpringModel:
     """Small deflections of a robot whose joints are linear springs (implements ComplianceModel).
 
-    Every joint between the base and the load gives way; the complementary stiffness matrix, which
-    `cartesian.py` has, is left out here as in the thesis (section 3.4).
+    Every joint between the base and the load gives way; the complementary stiffness matrix, which `batch.complementary`
+    works out, is left out here as in the thesis (section 3.4).
     """
 
     def __init__(self, robot: Robot, stiffness: FloatArray | None = None) -> None:

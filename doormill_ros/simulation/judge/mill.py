@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,6 +45,17 @@ class _Looks:
 
     def part(self, chosen: BoolArray | FloatArray) -> _Looks:
         return _Looks(*(getattr(self, name)[chosen] for name in self.__dataclass_fields__))
+
+
+@dataclass(frozen=True, eq=False)
+class _Met:
+    """Points of the door within the mill; k points, met m times in all."""
+
+    spacing: float  # [m]
+    points: FloatArray  # (k, 3) door frame
+    taker: IntArray  # (k,) number of the look that met it first
+    look: IntArray  # (m,)
+    point: IntArray  # (m,) number of the point that this look met
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,10 +162,62 @@ def _taken(
     length: float,
     finest: float,
 ) -> tuple[list[WoodGone], list[Touch]]:
-    """Fill the mill with points, keep those that were wood and not the feature's, and sum up by motion.
+    """Keep those points in the mill that were wood and not the feature's, and sum up by motion.
 
     The points are no less than `finest` [m] apart.
     """
+    by_pocket = {pocket.feature: pocket for pocket in pockets}
+    met = _met(looks, size, by_pocket, executed, length, finest)
+    points, taker = met.points, met.taker
+    # Beside its own feature a mill is held to the outline; elsewhere it may follow what was cut as it can.
+    free = np.isinf(looks.excess) | ~looks.turning
+    there = still_there(pockets, cuts, points, looks.place[taker], np.where(free[taker], TOLERANCE, 0.0))
+    hit = np.zeros(len(looks.place), dtype=bool)
+    hit[met.look[there[met.point]]] = True
+    depth = below_surface(points, looks.axis[taker], size)
+    gone, touches = [], []
+    motion = executed.motion[looks.sample]
+    for number in dict.fromkeys(motion[hit].tolist()):
+        for turning in (True, False):
+            mine = (motion == number) & (looks.turning == turning)
+            chosen = np.flatnonzero(there & mine[taker])
+            if not len(chosen):
+                continue
+            at = looks.sample[taker[chosen].min()]
+            own = by_pocket.get(str(executed.feature[at]))
+            deep = depth[chosen]
+            if own is not None and turning:
+                deep = np.minimum(deep, own.outside(points[chosen]))
+                # The points lie less deep than the wood's rim, by no more than their distance.
+                most = min(looks.excess[mine & hit].max(), deep.max() + np.sqrt(3.0) * met.spacing)
+            else:
+                most = deep.max()
+            if most <= TOLERANCE:
+                continue
+            common = {
+                "motion": int(number) + 1,
+                "feature": str(executed.feature[at]),
+                "time": float(executed.time[at]),
+                "depth": float(most),
+                "place": points[chosen[deep.argmax()]],
+                "samples": frozenset(between(looks.place, mine & hit)),
+            }
+            if turning:
+                gone.append(WoodGone(volume=len(chosen) * met.spacing**3, **common))
+            else:
+                touches.append(Touch(body="standing mill", obstacle="door", **common))
+    return gone, touches
+
+
+def _met(
+    looks: _Looks,
+    size: FloatArray,
+    by_pocket: Mapping[str, Pocket],
+    executed: ExecutedPath,
+    length: float,
+    finest: float,
+) -> _Met:
+    """Fill the mill with points of the door, but for those of the feature in which it turns."""
     back = looks.tip - length * looks.axis
     rim = looks.radius[:, None] * np.sqrt(np.maximum(1.0 - looks.axis**2, 0.0))
     low = np.maximum(np.minimum(looks.tip, back) - rim, 0.0)
@@ -161,7 +225,6 @@ def _taken(
     volume = np.prod(np.maximum(high - low, 0.0), axis=1).sum()
     spacing = float(np.clip(np.cbrt(volume / POINTS), finest, SPACING[1]))
     cells = np.ceil(size / spacing).astype(int) + 1
-    by_pocket = {pocket.feature: pocket for pocket in pockets}
     keys, who = [], []
     for i in range(len(looks.place)):
         index = _lattice(low[i], high[i], spacing)
@@ -179,46 +242,8 @@ def _taken(
         who.append(np.full(len(index), i))
     key, first, back_to = np.unique(np.concatenate(keys), return_index=True, return_inverse=True)
     look = np.concatenate(who)
-    taker = look[first]
     points = _scattered(np.stack(np.unravel_index(key, tuple(cells)), axis=1), spacing)
-    # Beside its own feature a mill is held to the outline; elsewhere it may follow what was cut as it can.
-    free = np.isinf(looks.excess) | ~looks.turning
-    there = still_there(pockets, cuts, points, looks.place[taker], TOLERANCE * free[taker])
-    hit = np.zeros(len(looks.place), dtype=bool)
-    hit[look[there[back_to]]] = True
-    depth = below_surface(points, looks.axis[taker], size)
-    gone, touches = [], []
-    motion = executed.motion[looks.sample]
-    for number in dict.fromkeys(motion[hit].tolist()):
-        for turning in (True, False):
-            mine = (motion == number) & (looks.turning == turning)
-            chosen = np.flatnonzero(there & mine[taker])
-            if not len(chosen):
-                continue
-            at = looks.sample[taker[chosen].min()]
-            own = by_pocket.get(str(executed.feature[at]))
-            deep = depth[chosen]
-            if own is not None and turning:
-                deep = np.minimum(deep, own.outside(points[chosen]))
-                # The points lie less deep than the wood's rim, by no more than their distance.
-                most = min(looks.excess[mine & hit].max(), deep.max() + np.sqrt(3.0) * spacing)
-            else:
-                most = deep.max()
-            if most <= TOLERANCE:
-                continue
-            common = {
-                "motion": int(number) + 1,
-                "feature": str(executed.feature[at]),
-                "time": float(executed.time[at]),
-                "depth": float(most),
-                "place": points[chosen[deep.argmax()]],
-                "samples": frozenset(between(looks.place, mine & hit)),
-            }
-            if turning:
-                gone.append(WoodGone(volume=len(chosen) * spacing**3, **common))
-            else:
-                touches.append(Touch(body="standing mill", obstacle="door", **common))
-    return gone, touches
+    return _Met(spacing, points, look[first], look, back_to)
 
 
 def _lattice(low: FloatArray, high: FloatArray, spacing: float) -> IntArray:

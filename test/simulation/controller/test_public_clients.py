@@ -22,6 +22,7 @@ from doormill_ros.simulation.controller.cell import DOOR_CLAMPED
 from doormill_ros.simulation.controller.controller import VirtualController
 from doormill_ros.simulation.controller.rws_server.running import served_cabinet
 from doormill_ros.simulation.controller.rws_server.server import RwsServer
+from support.waiting import until
 
 USER, PASSWORD = "Default User", "robotics"
 DIGITAL = ("doPathRequest", "doPathReady", "doPathFault", "doPathBusy", "doPathDone")
@@ -50,13 +51,6 @@ REST_OF_MOTION_PROGRAM = {
 }
 #: Calls of rwswrap: modules are not exchanged over the services, and there is no I/O device.
 REST_OF_RWSWRAP = {"load_module", "unload_module", "load_RAPID", "set_io_signal"}
-
-
-def until(condition: Callable[[], object]) -> None:
-    limit = time.monotonic() + 120
-    while not condition():
-        assert time.monotonic() < limit, "did not happen"
-        time.sleep(0.005)
 
 
 @pytest.fixture

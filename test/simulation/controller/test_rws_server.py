@@ -32,6 +32,7 @@ from doormill_ros.simulation.controller.rws_server.cabinet import (
 from doormill_ros.simulation.controller.rws_server.server import RwsServer
 from doormill_ros.simulation.controller.rws_server.serving import serve
 from doormill_ros.simulation.errors import WebServicesError
+from support.waiting import until
 
 USER, PASSWORD = "Default User", "robotics"
 ACCEPT = {"Accept": "application/hal+json;v=2.0"}
@@ -53,13 +54,6 @@ def server2(tmp_path: Path):
     cabinet.idle.data["DoorMill/nSpeed"] = "20"
     with RwsServer(cabinet, 2) as running:
         yield running
-
-
-def until(condition: object) -> None:
-    limit = time.monotonic() + 120
-    while not condition():
-        assert time.monotonic() < limit, "did not happen"
-        time.sleep(0.005)
 
 
 def digest(server: RwsServer) -> dict:

@@ -17,7 +17,6 @@ from support.flights import HOME, flight, joint_flight, straight
 
 FRONT = R_DOOR_FEATURE[Side.FRONT]
 RADIUS = 8e-3
-MM3 = 1e-9
 FAR = transform(translation=[1.6, 0.0, 0.0])
 
 

@@ -101,11 +101,6 @@ def _turn(node: Any, draw: random.Random, seen: set[int]) -> None:
             _turn(value, draw, seen)
 
 
-class _Spelt(float):
-    def __repr__(self) -> str:
-        return f"{float(self):.17e}"
-
-
 def _json(text: str, draw: random.Random) -> str:
     document = json.loads(text, object_pairs_hook=_once)
     if not isinstance(document, dict | list):

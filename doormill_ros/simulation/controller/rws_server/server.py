@@ -43,6 +43,7 @@ class RwsServer:
                 temporary one.
             robotware: Major version of RobotWare; 0 for the one that goes with `version`.
         """
+        self.version = version
         self.certificate: Path | None = None
         key: Path | None = None
         self._folder: tempfile.TemporaryDirectory[str] | None = None
