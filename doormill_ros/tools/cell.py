@@ -127,12 +127,13 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run; 0 for a milled door, 3 for one milled out of tolerance, 1 for one refused or not measured."""
+    """Run; 0 for a milled door, 3 for one out of tolerance, 1 for one refused or not measured, 2 for a bad option."""
     alone = arguments is None  # the process is this command
     if alone:
         die_of_interrupts()
     options = parse(arguments)
     # Late, so that --help answers at once.
+    from doormill_ros.cell.errors import BadParameterError
     from doormill_ros.cell.inspection import OUT_OF_TOLERANCE
     from doormill_ros.cell.run_folder import RunFolder
     from doormill_ros.cell.summary import RunSummary
@@ -191,7 +192,11 @@ def main(arguments: list[str] | None = None) -> int:
     if alone:
         import_matplotlib()
         interrupt_once(ENDING)
-    summary = run_once(options.door[0], folder, cell, progress, milled)
+    try:
+        summary = run_once(options.door[0], folder, cell, progress, milled)
+    except BadParameterError as refused:  # such as of --offset
+        print(f"cell: {refused.message}", file=sys.stderr)
+        return 2
     unreported = ""
     try:
         write_report(Path(summary.bag), Path(summary.report))
