@@ -13,6 +13,8 @@ from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallba
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.qos import QoSCompatibility, QoSProfile, qos_check_compatible
 
+from doormill_ros.nodes.found_topics import type_name
+
 PERIOD = 10.0  # s
 _UNKNOWN = "_NODE_NAME_UNKNOWN_"
 #: For endpoints whose events nobody asks for.
@@ -68,7 +70,7 @@ class UnmatchedEndpoints:
 def _mismatch(own: Any, other: Any, offered: Any, requested: Any) -> str:
     if other.node_name == _UNKNOWN:  # it has just come; the next look finds its name
         return ""
-    kind = own.msg_type.__module__.split(".")[0] + "/msg/" + own.msg_type.__name__
+    kind = type_name(own.msg_type)
     if other.topic_type != kind:
         return f"its type is {other.topic_type}, this one has {kind}"
     # Of deadlines and leases the graph tells the largest number where an endpoint has none.

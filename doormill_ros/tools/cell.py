@@ -28,7 +28,7 @@ Parameters = dict[str, dict[str, object]]
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run; 0 for a milled door, 3 for one milled out of tolerance, 1 for one refused or not measured."""
+    """Run; 0 for a milled door, 3 for one out of tolerance, 1 for one refused or not measured, 2 for a bad option."""
     alone = arguments is None  # the process is this command
     if alone:
         die_of_interrupts()
@@ -56,6 +56,7 @@ def _parameters(options: argparse.Namespace) -> Parameters:
 
 def _mill_door(options: argparse.Namespace, parameters: Parameters, alone: bool) -> int:
     """Mill one door, write and tell of its report; the status of `main`."""
+    from doormill_ros.cell.errors import BadParameterError
     from doormill_ros.cell.inspection import OUT_OF_TOLERANCE
     from doormill_ros.nodes.cell import CellOptions, run_once
     from doormill_ros.pages.charts import import_matplotlib
@@ -86,7 +87,11 @@ def _mill_door(options: argparse.Namespace, parameters: Parameters, alone: bool)
     if alone:
         import_matplotlib()
         interrupt_once(ENDING)
-    summary = run_once(options.door[0], folder, cell, progress, milled)
+    try:
+        summary = run_once(options.door[0], folder, cell, progress, milled)
+    except BadParameterError as refused:  # such as of --offset
+        print(f"cell: {refused.message}", file=sys.stderr)
+        return 2
     unreported = ""
     try:
         write_report(Path(summary.bag), Path(summary.report))

@@ -22,7 +22,7 @@ SPRINGS = "springs"  #: for --in-use: no model.yaml, the robot's own springs
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the tool; 0 for every verdict, 2 for data that cannot be read."""
+    """Run the tool; 0 for every verdict, 2 for data that cannot be read and results that cannot be written."""
     parser = argparse.ArgumentParser(prog="diagnose", description=__doc__)
     source = parser.add_mutually_exclusive_group(required=True)
     source.add_argument(
@@ -89,6 +89,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 verdict = run(kind, data, chosen.check, chosen.out, progress)
     except DoormillError as error:
         print(" ".join(error.message.split()), file=sys.stderr)
+        return 2
+    except OSError as error:
+        print(
+            f"diagnose: {error.filename or chosen.out} cannot be used, {error.strerror or error}; name another --out",
+            file=sys.stderr,
+        )
         return 2
     print(verdict)
     return 0

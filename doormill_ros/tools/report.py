@@ -10,7 +10,7 @@ from doormill_ros.errors import DoormillError
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Write the page; 2 when the bag cannot be read."""
+    """Write the page; 2 when the bag cannot be read or the page not written."""
     parser = argparse.ArgumentParser(prog="report", description=__doc__)
     parser.add_argument("bag", type=Path, help="bag folder of a run")
     parser.add_argument("--out", type=Path, help="page to write; default: report.html beside the bag")
@@ -22,6 +22,12 @@ def main(arguments: list[str] | None = None) -> int:
         write_report(options.bag, page)
     except DoormillError as error:
         print(f"report: {error.message}", file=sys.stderr)
+        return 2
+    except OSError as error:
+        print(
+            f"report: {page} cannot be written, {error.strerror or error}; name another with --out",
+            file=sys.stderr,
+        )
         return 2
     print(page)
     return 0

@@ -12,6 +12,7 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Bool, String
 
+from doormill_interfaces.action import MillDoor
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.unmatched import UnmatchedEndpoints
@@ -109,6 +110,22 @@ def test_what_fits_is_not_told_of(asking: Asking, other: Node) -> None:
         time.sleep(0.05)
     told += UnmatchedEndpoints(asking).news()
     assert {badly.name in sentence for sentence in told} == {True}
+
+
+def test_an_actions_feedback_of_the_right_type_is_not_told_of(asking: Asking, other: Node) -> None:
+    """The type of its messages is no /msg/ one."""
+    feedback, name = MillDoor.Impl.FeedbackMessage, "/mill_door/_action/feedback"
+    asking.create_subscription(feedback, name, lambda _: None, 10)
+    other.create_publisher(feedback, name, 10)
+    deadline = time.monotonic() + LIMIT
+    while not asking.count_publishers(name):
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+    # What comes after this was heard of later than the feedback's publisher.
+    marked = topics.DOOR_LOCALIZATION
+    other.create_publisher(Bool, f"/{marked.name}", 10)
+    told = heard(UnmatchedEndpoints(asking), bool)
+    assert [sentence for sentence in told if "feedback" in sentence] == []
 
 
 def test_only_events_that_somebody_asks_for_are_looked_at(asking: Asking) -> None:

@@ -6,7 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from doormill_ros.tools import calibrate, diagnose
+from doormill_ros.diagnosis.core import kind
+from doormill_ros.tools import calibrate, cell, diagnose, health, report
+
+ROOT = Path(__file__).parents[2]
 
 
 def test_diagnose_checks_nothing_with_the_thesis(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -30,3 +33,32 @@ def test_a_lens_has_three_coefficients(count: int, capsys: pytest.CaptureFixture
         f"calibration: {count} coefficients were given, allowed are three (k1 k2 k3) or none "
         "for those of the camera file\n"
     )
+
+
+def test_results_that_cannot_be_written_are_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "file").touch()
+    out = tmp_path / "file" / "out"
+    # What it does last of all, without the minute before.
+    monkeypatch.setattr(kind, "run", lambda *_: out.mkdir())
+    data = ROOT / "docs" / "diagnosis_example"
+    assert diagnose.main(["--quiet", "--data", str(data), "--out", str(out)]) == 2
+    assert capsys.readouterr().err == f"diagnose: {out} cannot be used, Not a directory; name another --out\n"
+    assert report.main([str(ROOT / "bags" / "thesis_190_0deg"), "--out", str(out)]) == 2
+    told = capsys.readouterr().err.splitlines()[-1]
+    assert told == f"report: {out} cannot be written, Not a directory; name another with --out"
+
+
+def test_a_namespace_is_one_that_ros_takes(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as stop:
+        health.main(["--namespace", "a b"])
+    assert stop.value.code == 2
+    assert "found 'a b', allowed are slashes with names" in capsys.readouterr().err
+
+
+def test_a_door_is_turned_by_a_number(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["--door", "thesis_190_0deg", "--offset", "0", "0", "nan", "--out", str(tmp_path / "run")]
+    assert cell.main(arguments) == 2
+    told = capsys.readouterr().err.splitlines()[-1]
+    assert told.startswith("cell: parameter offset_rotation of /camera_simulator is nan, allowed is a float")
