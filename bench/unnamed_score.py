@@ -63,7 +63,9 @@ def judge(truth: Mapping[str, Any], document: Mapping[str, Any], seconds: float)
     for finding in document["causes"]:
         keys = [finding, *finding.get("confusable_with", []), *finding.get("tied_with", [])]
         # A base that moves while a series is recorded is told as a drift of that series.
-        places = [(key["cause"], "base" if key["where"].split()[0] == "set" else key["where"]) for key in keys]
+        places = [
+            (key["cause"], "base" if key["where"].split()[0] == "set" else key["where"]) for key in keys
+        ]
         if not any(key in may for key in places):
             wrong.append(f"{finding['cause']} {finding['where']}")
     unnamed = document.get("unnamed") or []

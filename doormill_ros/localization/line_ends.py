@@ -18,9 +18,10 @@ _RUNS_ON = 0.2  # a line runs on with that share of its step, lighter or darker:
 _RUNS_ON_ALONE = 0.03  # or with that share, where it is so many times as large as all other steps there
 _ALONE = 2.5
 _FAINTEST = 1.5  # and with so many grey levels
-_BESIDE = 10.0e-3  # how far beside a line others are looked for [m]
+_BESIDE = 10.0e-3  # how far beside a line it is compared with others where it runs on [m]
 _PLAIN = 4.0  # a step stands out when it is that many times as large as is usual beside it
-_BEGINS = (0.8e-3, 32.0e-3)  # a line is looked for in these distances from the corner [m]
+_BEGINS = (0.8e-3, 62.0e-3)  # a line is looked for in these distances from the corner [m]
+_STANDS = 16.0e-3  # how far beside it others are looked for where it is not there [m]
 _THERE = 0.5  # it is there with that share of its step
 _LEAST_GAP = 5  # samples lack it where another is looked for: the border of a smaller chip looks as straight
 _STANDS_IN = 0.3  # which has that share of its step, and less than half of that where the line is
@@ -28,12 +29,14 @@ _FEW, _STEADY = 0.1, 0.7  # all but that share of its samples have that share of
 _DRAWN_PAST = 15.0e-3  # what is drawn of a line beyond the corner [m]
 
 
-def _parallels(steps: Steps, line: EdgeLine, start: float, stop: float) -> tuple[FloatArray, Float32Array]:
-    """Parallels of a line: their offsets (m,) [m], and steps between two places along it (n, m) [grey levels]."""
+def _parallels(
+    steps: Steps, line: EdgeLine, start: float, stop: float, reach: float
+) -> tuple[FloatArray, Float32Array]:
+    """Parallels of a line up to `reach` beside it [m]: offsets (m,) [m], steps between two places along (n, m)."""
     where = steps.where
     first, last = np.searchsorted(where.along, [start, stop])
     chosen = np.arange(first, last)
-    number = int(_BESIDE / where.step)
+    number = int(reach / where.step)
     offsets = np.arange(-number, number + 1)
     at = np.rint((line.across + line.tilt * where.along[chosen] - where.across[0]) / where.step).astype(int)
     columns = np.clip(at[:, None] + offsets, 0, len(where.across) - 1)
@@ -53,7 +56,7 @@ def _stands_out(size: Float32Array, least: float) -> bool:
 
 def _goes_on(steps: Steps, line: EdgeLine, end: float) -> bool:
     """Whether a line shows beyond a place along it [m]."""
-    _, found = _parallels(steps, line, end - _PAST[0], end - _PAST[1])
+    _, found = _parallels(steps, line, end - _PAST[0], end - _PAST[1], _BESIDE)
     if len(found) < 2:
         return False
     size = np.abs(row_medians(found.T))
@@ -134,7 +137,7 @@ def check_stand_ins(
     """
     for edge, at in ((HINGE, corner[1]), (BOTTOM, corner[0])):
         line = chosen[edge]
-        offsets, found = _parallels(steps[edge], line, at + _BEGINS[0], at + _BEGINS[1])
+        offsets, found = _parallels(steps[edge], line, at + _BEGINS[0], at + _BEGINS[1], _STANDS)
         middle = offsets.size // 2
         there = (np.sign(line.step) * found[:, middle - 1 : middle + 2]).max(axis=1)
         missing = there < _THERE * abs(line.step)

@@ -9,6 +9,7 @@ import numpy as np
 from doormill_ros.arrays import ByteArray, FloatArray
 from doormill_ros.cell.layout import CellLayout, DoorOffset
 from doormill_ros.localization import checks
+from doormill_ros.localization.beyond import larger_beyond
 from doormill_ros.localization.camera import CameraModel
 from doormill_ros.localization.clamp_lines import FaceInClamp, check_clamp, smoothed
 from doormill_ros.localization.coarse import search, search_bands
@@ -129,7 +130,11 @@ def _rough_pose(picture: ByteArray, view: FaceView, layout: CellLayout) -> Float
     """Pose to about a pixel; when there is none, the most telling reason."""
     limit, rotation = max(layout.limits.y, layout.limits.z), layout.limits.rotation
     try:
-        return search(picture, view, limit, rotation)
+        pose = search(picture, view, limit, rotation)
+        if larger_beyond(picture, view, pose):
+            further = search(picture, view, _WIDE * limit, _WIDE * rotation)
+            checks.check_range(DoorOffset(*(float(v) for v in further)), layout.limits)
+        return pose
     except (NoEdge, WrongEdge) as reason:
         checks.check_exposure(picture, strict=True)
         try:

@@ -29,7 +29,7 @@ class Surfaces:
 
     def along(self, edge: str, across: FloatArray, tilt: float, along: FloatArray) -> FloatArray:
         """Mean grey level (n,) at distances `along` (n,) of an edge, over parallels at `across` (k,)."""
-        grey = self._rows(edge, across, tilt, along)
+        grey = self.rows(edge, across, tilt, along)
         mean: FloatArray = grey.sum(axis=0, dtype=float) / len(grey)
         return mean
 
@@ -42,7 +42,7 @@ class Surfaces:
     ) -> list[float]:
         """The `level` of several surfaces, each over its parallels at `across` (k,) of its own tilt; read at once."""
         tilt = np.repeat(tilts, [one.size for one in across])[:, None]
-        grey = self._rows(edge, np.concatenate(across), tilt, np.arange(start, stop, 4 * PITCH))
+        grey = self.rows(edge, np.concatenate(across), tilt, np.arange(start, stop, 4 * PITCH))
         out, first = [], 0
         for one in across:
             rows = grey[first : first + one.size]
@@ -50,7 +50,7 @@ class Surfaces:
             first += one.size
         return out
 
-    def _rows(self, edge: str, across: FloatArray, tilt: FloatArray | float, along: FloatArray) -> ByteArray:
+    def rows(self, edge: str, across: FloatArray, tilt: FloatArray | float, along: FloatArray) -> ByteArray:
         """Grey levels (k, n) at distances `along` (n,) of an edge, on parallels at `across` (k,)."""
         places = np.empty((across.size, along.size, 2))
         run, cross = (1, 0) if edge == HINGE else (0, 1)

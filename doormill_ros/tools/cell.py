@@ -58,10 +58,13 @@ def _mill_door(options: argparse.Namespace, parameters: Parameters, alone: bool)
     """Mill one door, write and tell of its report; the status of `main`."""
     from doormill_ros.cell.errors import BadParameterError
     from doormill_ros.cell.inspection import OUT_OF_TOLERANCE
+    from doormill_ros.errors import DoormillError
     from doormill_ros.nodes.cell import CellOptions, run_once
     from doormill_ros.pages.charts import import_matplotlib
+    from doormill_ros.pipeline.plan import load_setup
     from doormill_ros.recording.errors import BagError
     from doormill_ros.report.run_report import write_report
+    from doormill_ros.simulation.robot_cell import load_effects
 
     folder = options.out or Path("out/runs") / datetime.now(UTC).strftime("%Y%m%dT%H%M%S%fZ")
 
@@ -84,6 +87,14 @@ def _mill_door(options: argparse.Namespace, parameters: Parameters, alone: bool)
         sensors=tuple(options.sensor),
         robots=options.robots,
     )
+    try:  # a node that cannot use its file would be waited for until the run's limit
+        if options.robot_model:
+            load_setup(model=str(Path(options.robot_model).resolve()))
+        if options.effects:
+            load_effects(Path(options.effects))
+    except DoormillError as error:
+        print(f"cell: {error.message}", file=sys.stderr)
+        return 2
     if alone:
         import_matplotlib()
         interrupt_once(ENDING)

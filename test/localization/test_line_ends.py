@@ -78,6 +78,15 @@ def test_tape_over_an_edge_is_told_by_what_shows_beside_its_end(edge, start, cam
     assert is_drawn(picture, refusal.value)
 
 
+@pytest.mark.parametrize("wide", [3.0, 12.0])
+@pytest.mark.parametrize("start", [30.0, 36.0])
+@pytest.mark.parametrize("edge", ["hinge", "bottom"])
+def test_what_hangs_over_most_of_an_edge_is_told_by_the_rest(edge, start, wide, camera, layout):
+    _, found = look(camera, layout, box(edge, -wide, 6.0, start, 300.0, 0.75))
+    with pytest.raises(WrongEdge, match=rf"the {edge} edge begins \d+ mm from the corner"):
+        found()
+
+
 @pytest.mark.parametrize("away", [1.5, 4.0])
 @pytest.mark.parametrize("edge", ["hinge", "bottom"])
 def test_a_rail_behind_that_runs_on_beside_the_edge_does_no_harm(edge, away, camera, layout):

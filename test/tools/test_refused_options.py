@@ -62,3 +62,16 @@ def test_a_door_is_turned_by_a_number(tmp_path: Path, capsys: pytest.CaptureFixt
     assert cell.main(arguments) == 2
     told = capsys.readouterr().err.splitlines()[-1]
     assert told.startswith("cell: parameter offset_rotation of /camera_simulator is nan, allowed is a float")
+
+
+@pytest.mark.parametrize("option", ["--robot-model", "--effects"])
+def test_a_file_that_its_node_could_not_use_is_refused_before_anything_starts(
+    option: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file, out = tmp_path / "file.yaml", tmp_path / "out"
+    file.write_bytes(bytes(range(256)))
+    assert cell.main(["--door", "thesis_190_0deg", option, str(file), "--out", str(out)]) == 2
+    (told,) = capsys.readouterr().err.splitlines()
+    assert told.startswith("cell: ")
+    assert str(file) in told
+    assert not out.exists()
