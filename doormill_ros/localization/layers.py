@@ -158,6 +158,14 @@ class _Edge:
             if self.like_face(strip) and self.ends[k] is not False:
                 if not self.ends[k] and any(self.like_background(before) for before in self.strips[:k]):
                     raise self.doubt(0, k + 1)
+                # A bevel that catches the light is as bright as the face, or brighter; it ends beside it.
+                if (
+                    k == 0
+                    and not other.strips
+                    and self._bevelled(k, other) > _TOLD
+                    and not self._flush(k, other)
+                ):
+                    raise self.doubt(k, k + 1)
                 self.first = k + 1
 
     def settle(self, other: _Edge) -> EdgeLine:
@@ -206,10 +214,16 @@ class _Edge:
             before, after = float(rise[first - 1]), float(rise[first])
             at = float(along[first - 1]) + (0.5 - before) / (after - before) * 0.5 * PITCH
             ends.append(at - across.at(float(place.mean())))
-        run = 1 if self.edge == HINGE else 0
-        point = np.array([high, across.at(high)] if self.edge == HINGE else [across.at(high), high])
-        bevelled = abs(float(self.sight.view.sight(point)[run])) * 0.5 * wide
+        bevelled = self._bevelled(k, other)
         return bevelled > _TOLD and abs(ends[0] - ends[1]) < _AS_FLUSH * bevelled
+
+    def _bevelled(self, k: int, other: _Edge) -> float:
+        """How far from the face's own end strip k would seem to end if it were a bevel of 45 degrees [m]."""
+        high = self.lines[k].at(self.corner)
+        end = other.lines[other.first].at(high)
+        run = 1 if self.edge == HINGE else 0
+        point = np.array([high, end] if self.edge == HINGE else [end, high])
+        return abs(float(self.sight.view.sight(point)[run])) * 0.5 * self._width(k)
 
     def check_agrees(self, other: _Edge, found: dict[str, EdgeLine]) -> None:
         """Whether a strip that was taken for a part of the face has no twin along the other edge that was not.

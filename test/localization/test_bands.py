@@ -41,10 +41,7 @@ SEEN = {
 }
 
 
-BEVELS = {
-    "hinge": BackEdge(2.0 * MM, 0.0, 1.0 * MM, 0.6),
-    "bottom": BackEdge(0.0, 2.0 * MM, 1.0 * MM, 0.6),
-}
+BEVELS = {"hinge": (2.0 * MM, 0.0), "bottom": (0.0, 2.0 * MM)}
 
 
 @pytest.mark.parametrize("name", SEEN)
@@ -54,7 +51,17 @@ def test_the_edge_of_the_face_is_found(name, camera, layout):
     assert np.hypot(found.y - scene.offset.y, found.z - scene.offset.z) < 0.03 * MM
 
 
+@pytest.mark.parametrize("brightness", [0.6, 1.15, 1.3])
 @pytest.mark.parametrize("edge", BEVELS)
-def test_a_bevel_along_one_edge_is_not_taken_for_a_band(edge, camera, layout):
+def test_a_bevel_along_one_edge_is_not_taken_for_a_band(edge, brightness, camera, layout):
+    bevel = BackEdge(*BEVELS[edge], 1.0 * MM, brightness)
     with pytest.raises(WrongEdge, match=rf"two steps .* may be the {edge} edge"):
-        localize(render_picture(replace(SCENE, back_edge=BEVELS[edge]), 6), camera, layout, WIDTH, THICKNESS)
+        localize(render_picture(replace(SCENE, back_edge=bevel), 6), camera, layout, WIDTH, THICKNESS)
+
+
+@pytest.mark.parametrize("factor", [0.9, 1.15, 1.3])
+@pytest.mark.parametrize("edge", BEVELS)
+def test_a_bright_lipping_along_one_edge_is_not_taken_for_a_bevel(edge, factor, camera, layout):
+    scene = replace(SCENE, strips=strips(-1.0, 2.0, factor, (edge,)))
+    found = localize(render_picture(scene, 6), camera, layout, WIDTH, THICKNESS).offset
+    assert np.hypot(found.y - scene.offset.y, found.z - scene.offset.z) < 0.03 * MM
