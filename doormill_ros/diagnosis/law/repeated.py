@@ -10,8 +10,8 @@ import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.diagnosis.core.problem import C, make_folds
-from doormill_ros.diagnosis.law.part import Part
 from doormill_ros.diagnosis.law.search import LawSearch
+from doormill_ros.diagnosis.law.some_rows import SomeRows
 from doormill_ros.statistics import resampled
 
 _FOLDS = 5  #: each costs a search
@@ -28,7 +28,9 @@ def unseen_residual(search: LawSearch[C], kept: BoolArray) -> FloatArray | None:
     """
     problem = search.problem
     folds = make_folds(problem.configuration, _FOLDS)
-    again = [(folds == fold, search.on(Part(problem, folds != fold))) for fold in range(int(folds.max()) + 1)]
+    again = [
+        (folds == fold, search.on(SomeRows(problem, folds != fold))) for fold in range(int(folds.max()) + 1)
+    ]
     causes = np.zeros_like(problem.predict(search.base, search.theta).white)
     for out, one in again:
         found = one.starts()[0]

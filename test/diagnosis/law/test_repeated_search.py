@@ -7,9 +7,9 @@ import pytest
 
 from doormill_ros.diagnosis.core.fit import fit
 from doormill_ros.diagnosis.law.labels import without_labels
-from doormill_ros.diagnosis.law.part import Part
 from doormill_ros.diagnosis.law.repeated import unseen_residual
 from doormill_ros.diagnosis.law.search import LawSearch
+from doormill_ros.diagnosis.law.some_rows import SomeRows
 from doormill_ros.diagnosis.loading.law_place import place_of
 from doormill_ros.diagnosis.loading.possible_trials import chosen_of
 from doormill_ros.diagnosis.loading.problem import LoadingProblem
@@ -68,10 +68,10 @@ def test_a_law_bends_over_time_only_where_postures_were_visited_again(hose, once
     assert "time under load" not in labels
 
 
-def test_a_part_is_fitted_as_a_set_of_these_trials_alone(hose):
+def test_some_rows_are_fitted_as_a_set_of_these_trials_alone(hose):
     rows = np.arange(len(hose)) % 3 > 0
     members = [build_cause("joint_stiffness", "joint 4"), build_cause("link_bending", "link 2")]
-    own = fit(Part(LoadingProblem(hose), rows), members)
+    own = fit(SomeRows(LoadingProblem(hose), rows), members)
     peer = fit(LoadingProblem(chosen_of(hose, list(np.flatnonzero(rows)))), members)
     np.testing.assert_allclose(own.theta, peer.theta, rtol=1e-9)
     np.testing.assert_allclose(own.held_out, peer.held_out, rtol=1e-9, atol=1e-15)

@@ -11,7 +11,7 @@ from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.diagnosis.core.problem import C, Prediction, Problem, make_folds
 
 
-class Part(Generic[C]):
+class SomeRows(Generic[C]):
     """Some rows of another problem; attributes as of that.
 
     The case stays that of all rows: candidates take from it where drivers were, and nothing that was measured.
