@@ -11,19 +11,24 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from doormill_ros.arrays import BoolArray
+from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.diagnosis.core.beam import EQUAL
 from doormill_ros.diagnosis.core.characterised import Characterised, Rival, UnnamedLaw
 from doormill_ros.diagnosis.core.fit import Fit
 from doormill_ros.diagnosis.core.problem import C
 from doormill_ros.diagnosis.core.verdict import PARTLY_EXPLAINED, UNEXPLAINED, rmse
 from doormill_ros.diagnosis.law.place import Places
+from doormill_ros.diagnosis.law.repeated import unseen_residual
 from doormill_ros.diagnosis.law.search import LawSearch
 from doormill_ros.diagnosis.law.telling import law_in_words, test_of
 from doormill_ros.statistics import resampled
 
 _DRAWS = 4000  #: of configurations, for the interval
 _RIVALS = 4  #: that are told, at most
+_NO_BETTER = (
+    "Of what remains nothing is said: laws that fit it were found, but when the search was repeated without some "
+    "postures, what it found predicted these no better than the named causes alone."
+)
 
 
 def remains(verdict: str) -> bool:
@@ -31,8 +36,8 @@ def remains(verdict: str) -> bool:
     return verdict in (UNEXPLAINED, PARTLY_EXPLAINED)
 
 
-def characterise(search: LawSearch[C], kept: BoolArray) -> Characterised[C] | None:
-    """Laws for what a diagnosis leaves; None where nothing can be said.
+def characterise(search: LawSearch[C], kept: BoolArray) -> tuple[Characterised[C] | None, str]:
+    """Laws for what a diagnosis leaves, or None; and why none is told where some were found, else nothing.
 
     Args:
         search: Over the terms that may enter, ready to run.
@@ -40,23 +45,31 @@ def characterise(search: LawSearch[C], kept: BoolArray) -> Characterised[C] | No
     """
     best = search.run()
     if not search.laws(best):
-        return None
-    return account(search, best, kept)
+        return None, ""
+    search.progress("searching for laws again without some postures")
+    held_out = unseen_residual(search, kept)
+    if held_out is None:
+        return None, _NO_BETTER
+    return account(search, best, kept, held_out), ""
 
 
-def account(search: LawSearch[C], best: Fit[C], kept: BoolArray) -> Characterised[C]:
+def account(
+    search: LawSearch[C], best: Fit[C], kept: BoolArray, held_out: FloatArray | None = None
+) -> Characterised[C]:
     """What is told of a model that a search has found.
 
     Args:
         search: With its fits.
         best: Holds one law at least.
         kept: Rows that count, shape (n,).
+        held_out: Residual of rows that no choice has seen, shape (n, c); without it that of rows that no fit has seen.
     """
     problem = search.problem
-    residual = rmse(best.held_out, kept, problem.components)
+    held_out = best.held_out if held_out is None else held_out
+    residual = rmse(held_out, kept, problem.components)
     squares = np.array(
         [
-            (np.sum(best.held_out[rows] ** 2), problem.components * rows.sum())
+            (np.sum(held_out[rows] ** 2), problem.components * rows.sum())
             for c in np.unique(problem.configuration[kept])
             for rows in [kept & (problem.configuration == c)]
         ]

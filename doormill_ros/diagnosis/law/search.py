@@ -63,6 +63,11 @@ class LawSearch(BeamSearch[C], Generic[C]):
         self._stays = {cause.identity for cause in base}
         self._alike = Counter(term.key for term in self.candidates)
 
+    def on(self, problem: Problem[C]) -> LawSearch[C]:
+        """The same search on other rows."""
+        terms = self.candidates[len(self.base) :]
+        return LawSearch(problem, self.base, self.theta, terms, self.place, spread=self.spread)
+
     def starts(self) -> list[Fit[C]]:
         """The established causes."""
         return [self.fit(self.base, [self.theta])]

@@ -7,7 +7,9 @@ from typing import Any
 
 from doormill_ros.diagnosis.core.characterised import Characterised
 from doormill_ros.diagnosis.core.kind import Progress
+from doormill_ros.diagnosis.core.verdict import AT_NOISE
 from doormill_ros.diagnosis.law.characterise import characterise, remains
+from doormill_ros.diagnosis.law.labels import not_tried, without_labels
 from doormill_ros.diagnosis.law.search import LawSearch
 from doormill_ros.diagnosis.loading.law_place import place_of
 from doormill_ros.diagnosis.loading.problem import LoadingDiagnosis
@@ -26,9 +28,13 @@ def with_laws(diagnosis: LoadingDiagnosis, progress: Progress = lambda line: Non
     # A cause that is not believed may still be a part of a law; one with a kink has many valleys, the dictionary none.
     known = [cause for cause in candidates(reflectors) if problem.allowed(cause) and not cause.kinked]
     keys = {cause.key for cause in extended.members}
-    terms = [term for term in (*known, *dictionary(problem.case, reflectors)) if term.key not in keys]
+    laws, labels = without_labels(dictionary(problem.case, reflectors), problem.case, problem.configuration)
+    terms = [term for term in (*known, *laws) if term.key not in keys]
     search = LawSearch(problem, extended.members, extended.theta, terms, place_of, progress)
-    return replace(diagnosis, characterised=characterise(search, diagnosis.kept))
+    found, why = characterise(search, diagnosis.kept)
+    remains_still = found is None or found.holdout_rmse >= AT_NOISE * problem.noise_floor
+    remarks = [*([why] if why else []), *([not_tried(labels)] if labels and remains_still else [])]
+    return replace(diagnosis, characterised=found, remarks=(*diagnosis.remarks, *remarks))
 
 
 def sized_laws(diagnosis: LoadingDiagnosis) -> list[SizedCause]:

@@ -80,6 +80,8 @@ _PLAIN = (
     ("temperature", _WARM, False),
 )
 _SENSOR = (*_LEVEL, ("time", _OVER_TIME, False), *_PLAIN[1:])
+#: A cable or a hose that pulls beside the sensor follows the joint about which it is led.
+_PULLED = (("angle of joint k", (("slope", 0.0), ("line", 0.5), ("waves", 1.0), ("waves", 2.0)), False),)
 _BY_WRENCH = (("wrench", (("level", 0.0), ("size", 1.0)), False), *_PLAIN)
 _MOUNT = (*_BY_WRENCH, ("angle of joint k", _OTHER_ANGLE, False))
 _TURN = (
@@ -131,9 +133,13 @@ DICTIONARY = (
     ("torsion", LINKS, _BY_WRENCH),
     ("bending", LINKS, _BY_WRENCH),
     ("hinge", LINKS, (*_BY_WRENCH, ("torque sign", (("positive", 0.0),), False))),
-    ("force bias", ("sensor",), _SENSOR),
-    ("torque bias", ("sensor",), _SENSOR),
-    ("sensor gain", ("sensor",), (("wrench", _TORQUE, True), ("time", _OVER_TIME, True), *_PLAIN[1:])),
+    ("force bias", ("sensor",), (*_SENSOR, *_PULLED)),
+    ("torque bias", ("sensor",), (*_SENSOR, *_PULLED)),
+    (
+        "sensor gain",
+        ("sensor",),
+        (("wrench", _TORQUE, True), ("time", _OVER_TIME, True), *_PLAIN[1:], *_PULLED),
+    ),
     *(
         (name, ("sensor",), (("wrench", (("level", 0.0),), False),))
         for name in CARRIERS
