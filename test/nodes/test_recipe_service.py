@@ -25,7 +25,7 @@ def ask(context: rclpy.Context, tmp_path: Path) -> Iterator[Ask]:
     url = Parameter("database_url", value=f"sqlite:///{tmp_path / 'recipes.db'}")
     node = RecipeDatabaseNode(context=context, parameter_overrides=[url])
     node.bring_up()
-    (service,) = (service for service in node.services if service.srv_name == "/recipes/get")
+    (service,) = (service for service in node.services if service.srv_name == "recipes/get")
     yield lambda **fields: service.callback(GetRecipe.Request(**fields), GetRecipe.Response())
     node.close()
     node.destroy_node()
