@@ -31,3 +31,4 @@ SharedRunError = BagError.row(
 IncompleteBagError = BagError.row(
     "IncompleteBagError", 609, "A bag lacks messages that it should hold, or the end of a run."
 )
+BagEndError = BagError.row("BagEndError", 610, "The end of a bag cannot be written.")

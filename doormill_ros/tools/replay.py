@@ -162,6 +162,10 @@ def main(arguments: list[str] | None = None) -> int:
     options = parse(arguments)
     try:
         options.bags = options.bags or accepted_bags()
+        if options.database:
+            from doormill_ros.recipes.store.engine import check_file
+
+            check_file(options.database)
     except DoormillError as error:
         print(f"replay: {error.message}", file=sys.stderr)
         return UNREADABLE

@@ -308,3 +308,11 @@ def test_rates_are_positive(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         main([str(BAG), "--live", "--rate", "0"])
     assert "allowed are numbers above 0 and 'max'" in capsys.readouterr().err
+
+
+def test_a_database_that_is_not_there_is_not_made(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    missing = tmp_path / "new" / "recipes.sqlite"
+    assert main(["--database", str(missing), str(BAGS / "unknown_door")]) == 2
+    out, err = capsys.readouterr()
+    assert (out, err) == ("", f"replay: there is no database {missing}; correct its name\n")
+    assert not missing.parent.exists()
