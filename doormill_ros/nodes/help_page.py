@@ -8,7 +8,7 @@ import sys
 import textwrap
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any
+from typing import Any, cast
 
 from doormill_ros.nodes.managed_node import AUTOSTART, ManagedNode
 from doormill_ros.nodes.reporting_node import NodeParameter
@@ -56,8 +56,8 @@ def parameters_page(factories: Sequence[Callable[[], ManagedNode]]) -> str:
 
 
 def _kind(factory: Any) -> type[ManagedNode]:
-    made = factory.func if isinstance(factory, partial) else factory
-    return made  # type: ignore[no-any-return]
+    made: Any = factory.func if isinstance(factory, partial) else factory
+    return cast("type[ManagedNode]", made)
 
 
 def _told(kind: type[ManagedNode]) -> list[str]:

@@ -51,7 +51,7 @@ def messages_held(path: Path) -> int:
     summary = _summary_of(path) if is_complete(path) else None
     if summary is None or summary.statistics is None:
         return sum(1 for _ in scan(path))
-    return summary.statistics.message_count
+    return int(summary.statistics.message_count)
 
 
 def _summary_of(path: Path) -> Summary | None:
