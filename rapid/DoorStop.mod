@@ -187,7 +187,7 @@ MODULE DoorStop
     ENDPROC
 
     PROC DoorRestarted()
-        ! START, RESTART: before anything moves on. Interrupts are lost while the program stands: the door may be
+        ! START, STEP, RESTART: before anything moves on. Interrupts are lost while the program stands: the door may be
         ! another one by now, and has to be named anew.
         IF NOT doorInHand THEN
             doorChanged:=TRUE;

@@ -10,10 +10,10 @@ from doormill_ros.catalogue.errors import BadRunRecordError
 from doormill_ros.catalogue.run import CataloguedInspection, CataloguedRun
 from doormill_ros.catalogue.run_collector import RunCollector, topic_of
 from doormill_ros.config import read_document
-from doormill_ros.recording.bag_folders import METADATA, content_of_bag
+from doormill_ros.recording.bag_folders import content_of_bag
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.recording.errors import UnreadableBagError
-from doormill_ros.recording.metadata import INFORMATION
+from doormill_ros.recording.metadata import information_of
 from doormill_ros.units import s_to_ns
 
 DESCRIPTION = "inspection.yaml"
@@ -93,12 +93,7 @@ def recorder_of(folder: Path) -> dict[str, str]:
     Raises:
         UnreadableBagError: metadata.yaml cannot be read.
     """
-    path = folder / METADATA
-    if not path.is_file():
-        return {}
-    document = read_document(path, UnreadableBagError, "take another copy of the bag")
-    information = document.get(INFORMATION) if isinstance(document, dict) else None
-    custom = information.get("custom_data") if isinstance(information, dict) else None
+    custom = information_of(folder).get("custom_data")
     return {str(key): str(value) for key, value in custom.items()} if isinstance(custom, dict) else {}
 
 

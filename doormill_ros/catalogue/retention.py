@@ -12,8 +12,9 @@ from doormill_ros.catalogue.database import Catalogue
 from doormill_ros.catalogue.errors import BadRetentionError
 from doormill_ros.catalogue.needs import Needs, find_needs
 from doormill_ros.catalogue.run import CatalogueRow
-from doormill_ros.recording.bag_folders import METADATA, content_of_bag
+from doormill_ros.recording.bag_folders import content_of_bag
 from doormill_ros.recording.bag_reader import bag_files
+from doormill_ros.recording.metadata import METADATA
 from doormill_ros.recording.replay.expectation import FILE as EXPECTATION
 from doormill_ros.units import days_to_s, gigabytes_to_bytes, s_to_ns
 

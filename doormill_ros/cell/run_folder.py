@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from doormill_ros.cell.errors import BadParameterError
 from doormill_ros.resources import AUDIT, MODELS
 
 
@@ -76,7 +79,15 @@ class RunFolder:
         return self.root / "summary.json"
 
     def prepare(self) -> None:
-        """Make the folder; what a former run left under these names is removed, nothing else."""
+        """Make the folder; what a former run left under these names is removed, nothing else.
+
+        Raises:
+            BadParameterError: The disk does not let it, such as for a file that is in the way.
+        """
+        with _told_of(self.root):
+            self._prepare()
+
+    def _prepare(self) -> None:
         own = () if self.shift else (self.controller.parent,)
         # What is kept of inspections names bags that go; models stay.
         own = own if self.shift else (*own, self.inspections)
@@ -110,13 +121,33 @@ class ShiftFolder:
         return self.root / "shift.json"
 
     def prepare(self) -> None:
-        """Make the folder; a former shift's doors, inspections and controller are removed, nothing else."""
+        """Make the folder; a former shift's doors, inspections and controller are removed, nothing else.
+
+        Raises:
+            BadParameterError: The disk does not let it, such as for a file that is in the way.
+        """
+        with _told_of(self.root):
+            self._prepare()
+
+    def _prepare(self) -> None:
         doors = [path for path in self.root.glob("door_*") if path.name.removeprefix("door_").isdigit()]
         for path in (*doors, self.controller.parent, self.run(0).inspections):
             if path.exists():
                 shutil.rmtree(path)
         self.summary.unlink(missing_ok=True)
         self.controller.mkdir(parents=True)
+
+
+@contextmanager
+def _told_of(root: Path) -> Iterator[None]:
+    """Say what is wrong with the folder that somebody chose."""
+    try:
+        yield
+    except OSError as error:
+        raise BadParameterError(
+            f"folder {root} cannot be made anew: {error.filename or root}: {error.strerror}; name another one, "
+            "or make way"
+        ) from error
 
 
 def point_latest(root: Path, latest: Path) -> None:

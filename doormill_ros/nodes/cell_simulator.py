@@ -8,10 +8,9 @@ import sys
 from functools import partial
 from pathlib import Path
 
-import rclpy.utilities
-
 from doormill_ros.nodes.camera_simulator import CameraSimulator
 from doormill_ros.nodes.controller_simulator import ControllerSimulator
+from doormill_ros.nodes.help_page import parameters_page, words_apart
 from doormill_ros.nodes.robots import ROBOTS, in_robot, robot_arguments
 from doormill_ros.nodes.run import run_nodes
 from doormill_ros.nodes.sensor_simulator import SensorSimulator
@@ -34,7 +33,12 @@ def make_room_for_pictures() -> None:
 def main() -> int:
     """Run the nodes."""
     make_room_for_pictures()
-    parser = argparse.ArgumentParser(description=__doc__, allow_abbrev=False)
+    parser = argparse.ArgumentParser(
+        description=__doc__,
+        epilog=parameters_page((CameraSimulator, SensorSimulator, ControllerSimulator)),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
     parser.add_argument(
         "--robots", type=int, choices=(1, 2), default=1, help="2: a controller for each of two"
     )
@@ -44,11 +48,13 @@ def main() -> int:
         default=Path("out/controller"),
         help="of two robots: folder of robot1/HOME and robot2/HOME",
     )
-    options, _ = parser.parse_known_args(rclpy.utilities.remove_ros_args(sys.argv)[1:])
+    own, of_ros = words_apart(sys.argv[1:])
+    options = parser.parse_args(own)
+    arguments = [sys.argv[0], *of_ros]
     if options.robots == 1:
-        return run_nodes(CameraSimulator, SensorSimulator, ControllerSimulator)
+        return run_nodes(CameraSimulator, SensorSimulator, ControllerSimulator, arguments=arguments)
     controllers = [partial(_controller_of, robot, options.controllers) for robot in ROBOTS]
-    return run_nodes(CameraSimulator, SensorSimulator, SharedDoorJudge, *controllers)
+    return run_nodes(CameraSimulator, SensorSimulator, SharedDoorJudge, *controllers, arguments=arguments)
 
 
 def _controller_of(robot: str, folder: Path) -> ControllerSimulator:

@@ -14,6 +14,7 @@ from doormill_interfaces.srv import ExpectDoor, GetRecipe
 from doormill_ros.abb.link_errors import DoorNameError, WriteTimeoutError
 from doormill_ros.cell.errors import StageRefusedError
 from doormill_ros.nodes.managed_node import ManagedNode
+from doormill_ros.nodes.named_door import check_named_once
 
 LIMIT = 5.0  # s
 
@@ -34,10 +35,7 @@ class ExpectDoorServer:
         node.serve(ExpectDoor, "abb/expect_door", self._expect)
 
     def _expect(self, request: Any, response: Any) -> Any:
-        if bool(request.door_id) == bool(request.bar_code):
-            raise DoorNameError(
-                f"door_id is {request.door_id!r} and bar_code {request.bar_code!r}; exactly one of them is wanted"
-            )
+        check_named_once(request)
         door_id = request.door_id or self._look_up(request.bar_code)
         told = self._tell(door_id)
         try:

@@ -6,7 +6,6 @@ import threading
 from collections.abc import Callable
 from typing import Any
 
-from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from rclpy.qos import QoSProfile
@@ -15,8 +14,9 @@ from rclpy.serialization import deserialize_message, serialize_message
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.alive import alive_topic
 from doormill_ros.nodes.nested_messages import reading
-from doormill_ros.nodes.reporting_node import OK, WARN, ReportingNode
+from doormill_ros.nodes.reporting_node import OK, WARN, NodeParameter, ReportingNode
 
+AUTOSTART = NodeParameter("autostart", True, "configure and activate at start-up")  #: of every node
 RETRY_PERIOD = 2.0  # s
 _REHEARSED: set[type] = set()
 
@@ -39,16 +39,14 @@ class ManagedNode(ReportingNode):
         self.create_publisher(alive.type, alive.name, alive.offered)
         self._carried: set[Any] = set()  # types of its messages
         self._created: list[tuple[Callable[[Any], Any], Any]] = []
-        self.declare_parameter(
-            "autostart", True, ParameterDescriptor(description="configure and activate at start-up")
-        )
+        self.declare_parameter(AUTOSTART.name, AUTOSTART.default, AUTOSTART.descriptor())
 
     def bring_up(self) -> None:
         """Configure and activate, if the parameter `autostart` says so; again until it works.
 
         A share, a database or a controller that comes up later than this node is nothing unusual.
         """
-        if not self.value("autostart"):
+        if not self.value(AUTOSTART.name):
             return
         self._starting = threading.Lock()
         self._again = self.create_timer(RETRY_PERIOD, self._try_to_start)
@@ -197,6 +195,8 @@ class ManagedNode(ReportingNode):
             return TransitionCallbackReturn.FAILURE
         if self._health[1] == "inactive":
             self.report(OK, "active")
+        elif self._otherwise[1] == "inactive":  # what a callback said stands in front of it
+            self._otherwise = (OK, "active", {})
         self.get_logger().info("active")
         return TransitionCallbackReturn.SUCCESS
 

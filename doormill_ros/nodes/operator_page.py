@@ -238,7 +238,13 @@ class OperatorPage(ManagedNode):
             self._show_overlay(overlay, door)
 
     def _show_overlay(self, overlay: Image, door: str) -> None:
-        colours = colours_of(overlay)
+        try:
+            colours = colours_of(overlay)
+        except BadPicture as error:  # nothing is wrong with the page, and what comes with it is shown
+            self.get_logger().warning(
+                f"what came on {topics.DOOR_OVERLAY.name} is not shown: {error.message}"
+            )
+            return
         taken = time.strftime("%H:%M:%S", time.localtime(seconds_of(overlay.header.stamp)))
         self._show(colours, "found", door=door, time=taken)
 

@@ -13,6 +13,7 @@ from doormill_interfaces.srv import GetRecipe, ImportRecipes, ListRecipes
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.recipe import recipe_message, summary_message
 from doormill_ros.nodes.managed_node import ManagedNode
+from doormill_ros.nodes.named_door import check_named_once
 from doormill_ros.nodes.reporting_node import OK, NodeParameter
 from doormill_ros.nodes.run import run_nodes
 from doormill_ros.nodes.tool_wear import ToolWear
@@ -54,11 +55,12 @@ class RecipeDatabaseNode(ManagedNode):
         self._database.close()
 
     def _get(self, request: GetRecipe.Request, response: GetRecipe.Response) -> GetRecipe.Response:
+        check_named_once(request)
         if request.run_id and request.run_id == self._in_hand.run_id:
             # Asked again: the answer was lost, the recipe is out already.
             response.recipe, response.success = self._in_hand, True
             return response
-        if request.door_id or not request.bar_code:
+        if request.door_id:
             recipe = self._database.get(request.door_id, request.version or None)
         else:
             recipe = self._database.find_bar_code(request.bar_code)

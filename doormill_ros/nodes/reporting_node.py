@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -90,6 +91,10 @@ class ReportingNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         self._later: dict[str, Any] = {}
         self._when_set: dict[str, Callable[[], None]] = {}
         self._health: tuple[bytes, str, dict[str, Any]] = (WARN, "unconfigured", {})
+        self._telling = threading.RLock()
+        # Errors of guarded callbacks that are told, the latest last, and what the node said of itself before them.
+        self._failures: dict[object, tuple[bytes, str, dict[str, Any]]] = {}
+        self._otherwise = self._health
         try:
             for parameter in self.PARAMETERS:
                 self._declare(parameter)
@@ -187,22 +192,50 @@ class ReportingNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         """Current value of a parameter."""
         return self.get_parameter(name).value
 
-    def guarded(self, callback: Callable[..., None]) -> Callable[..., None]:
-        """A callback that reports what went wrong instead of ending the node."""
+    def guarded(self, callback: Callable[..., None], name: str = "") -> Callable[..., None]:
+        """A callback that reports what went wrong instead of ending the node.
+
+        The next call that goes well takes the error back, where the node has said nothing else of itself since.
+
+        Args:
+            callback: What is called.
+            name: Calls under the same name take each other's errors back; empty: only those of what is returned.
+        """
+        key: object = name or object()
 
         def call(*args: Any) -> None:
             try:
                 callback(*args)
             except DoormillError as error:
-                self.report(ERROR, error.message, error_code=error.code)
+                self._tell_failure(key, error.message, error_code=error.code)
                 self.get_logger().error(error.message)
             except Exception as error:
                 if not self.context.ok():  # interrupted: nothing can be published any more
                     return
-                self.report(ERROR, unexpected(error))
+                self._tell_failure(key, unexpected(error))
                 self.get_logger().error(traceback.format_exc())
+            else:
+                if key in self._failures:
+                    self._take_back(key)
 
         return call
+
+    def _tell_failure(self, key: object, message: str, **values: Any) -> None:
+        with self._telling:
+            others = {other: told for other, told in self._failures.items() if other is not key}
+            otherwise = self._otherwise if self._failures else self._health
+            self.report(ERROR, message, **values)
+            self._failures, self._otherwise = {**others, key: self._health}, otherwise
+
+    def _take_back(self, key: object) -> None:
+        """Say what would be said had this callback not failed: the error of another one stays."""
+        with self._telling:
+            if self._failures.pop(key, None) is None:
+                return
+            left = self._failures
+            level, message, values = [self._otherwise, *left.values()][-1]
+            self.report(level, message, **values)
+            self._failures = left
 
     def as_refusal(self, error: Exception) -> DoormillError:
         """What is said under a run of whatever went wrong; what nobody thought of is logged in full."""
@@ -255,12 +288,14 @@ class ReportingNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         What is not well, or well again, is published at once; a healthy node's news wait for the next round:
         each message wakes every process that listens, in the middle of a run.
         """
-        healthy = level == OK and self._health[0] == OK
-        message = one_line(message)
-        changed = (level, message) != self._health[:2]
-        self._health = (level, message, values)
-        if changed and not healthy:
-            self._publish_diagnostics()
+        with self._telling:
+            self._failures = {}
+            healthy = level == OK and self._health[0] == OK
+            message = one_line(message)
+            changed = (level, message) != self._health[:2]
+            self._health = (level, message, values)
+            if changed and not healthy:
+                self._publish_diagnostics()
 
     def later(self, name: str, callback: Callable[[], None]) -> None:
         """Call once, a moment from now; one that still waits under the same name gives way.
@@ -272,7 +307,7 @@ class ReportingNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
             self._forget_later(name)
             guarded()
 
-        guarded = self.guarded(callback)
+        guarded = self.guarded(callback, f"later {name}")
         self._forget_later(name)
         self._later[name] = self.create_timer(DISPLAY_DELAY, call)
 

@@ -11,6 +11,7 @@ import re
 import signal
 import sys
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any
 
 import rclpy
@@ -23,6 +24,7 @@ from rclpy.signals import SignalHandlerOptions, uninstall_signal_handlers
 from doormill_ros.cell.errors import BadParameterError, RosArgumentsError
 from doormill_ros.errors import one_line
 from doormill_ros.interrupts import interrupt_once
+from doormill_ros.nodes.help_page import HELP, NODES_FILE, help_page, words_apart
 from doormill_ros.nodes.mailboxes import Mailboxes
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.spinning import SteadyExecutor
@@ -54,7 +56,7 @@ def init(arguments: Sequence[str], handlers: SignalHandlerOptions = SignalHandle
     """
     _keep_freed_memory()
     program, *rest = list(arguments)
-    shipped = ["--ros-args", "--params-file", str(resource("config/nodes.yaml")), "--"]
+    shipped = ["--ros-args", "--params-file", str(resource(NODES_FILE)), "--"]
     try:
         rclpy.init(args=[program, *shipped, *rest], signal_handler_options=handlers)
     except rclpy_implementation.UnknownROSArgsError as error:
@@ -69,11 +71,29 @@ def init(arguments: Sequence[str], handlers: SignalHandlerOptions = SignalHandle
 
 
 def run_nodes(*factories: Callable[[], ManagedNode], arguments: Sequence[str] | None = None) -> int:
-    """Run nodes in this process until interrupted; the body of every node's executable."""
+    """Run nodes in this process until interrupted; the body of every node's executable.
+
+    Args:
+        factories: Make the nodes.
+        arguments: Program name, --help, and what ROS 2 takes; None for those of the process.
+
+    Returns:
+        Exit status.
+    """
     interrupt_once()
     # A library's fault that kills the process tells where it was called from.
     faulthandler.enable(sys.__stderr__ or 2)
     arguments = sys.argv if arguments is None else arguments
+    program, own = Path(arguments[0]).name, words_apart(arguments[1:])[0]
+    if any(word in HELP for word in own):
+        sys.stdout.write(help_page(program, factories) + "\n")
+        return 0
+    if own:
+        get_logger("doormill").fatal(
+            f"{program} does not take {own[0]!r}; parameters are given as --ros-args -p NAME:=VALUE, "
+            f"{program} --help tells which there are"
+        )
+        return BAD_ARGUMENTS
     try:
         init(arguments)
     except RosArgumentsError as error:

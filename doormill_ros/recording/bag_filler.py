@@ -8,6 +8,7 @@ from typing import Any
 
 from doormill_ros.recording.bag_writer import BagWriter
 from doormill_ros.recording.bounded_queue import BoundedQueue
+from doormill_ros.recording.errors import BagEndError
 
 WRITE_PERIOD = 0.1  # s
 
@@ -47,12 +48,18 @@ class BagFiller:
         """Write what still waits and close the bag.
 
         Raises:
-            OSError: The bag's metadata cannot be written.
+            BagEndError: Its last file or its metadata cannot be written.
         """
         self._queue.close()
         self._thread.join()
         with self._lock:
-            self._writer.close(self._queue.dropped)
+            try:
+                self._writer.close(self._queue.dropped)
+            except OSError as error:
+                raise BagEndError(
+                    f"the end of bag {self._writer.folder} cannot be written: {error}; free the disk; what was written "
+                    "before can be read"
+                ) from error
 
     def _fill(self) -> None:
         while not self._queue.closed:

@@ -9,9 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from doormill_ros.recording.bag_reader import bag_files
-from doormill_ros.recording.metadata import INFORMATION
+from doormill_ros.recording.metadata import INFORMATION, METADATA
 
-METADATA = "metadata.yaml"
 _HEAD = 4096  # bytes of metadata.yaml in which its key stands
 
 

@@ -28,3 +28,7 @@ AcceptedBagError = BagError.row(
 SharedRunError = BagError.row(
     "SharedRunError", 608, "A run of two robots, which nodes cannot be asked to repeat."
 )
+IncompleteBagError = BagError.row(
+    "IncompleteBagError", 609, "A bag lacks messages that it should hold, or the end of a run."
+)
+BagEndError = BagError.row("BagEndError", 610, "The end of a bag cannot be written.")

@@ -8,7 +8,7 @@ from pathlib import Path
 from mcap.reader import SeekingReader
 from mcap.summary import Summary
 
-from doormill_ros.recording.mcap_scan import LARGEST_RECORD, ScannedMessage, scan
+from doormill_ros.recording.mcap_scan import LARGEST_RECORD, ScannedMessage, is_complete, scan
 
 
 def topics_in(path: Path) -> list[str]:
@@ -44,6 +44,14 @@ def messages_in(path: Path, wanted: Callable[[str], object]) -> Iterator[Scanned
         for schema, channel, message in reader.iter_messages(topics=topics):
             if schema is not None:
                 yield ScannedMessage(schema, channel, message)
+
+
+def messages_held(path: Path) -> int:
+    """How many messages a file holds: by its index, or where it has none by reading as far as it goes."""
+    summary = _summary_of(path) if is_complete(path) else None
+    if summary is None or summary.statistics is None:
+        return sum(1 for _ in scan(path))
+    return int(summary.statistics.message_count)
 
 
 def _summary_of(path: Path) -> Summary | None:

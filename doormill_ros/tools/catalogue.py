@@ -15,6 +15,7 @@ from doormill_ros.catalogue.rebuild import rebuild
 from doormill_ros.catalogue.retention import Judged, Retention, judge, retain
 from doormill_ros.catalogue.run import CatalogueRow
 from doormill_ros.errors import DoormillError
+from doormill_ros.recipes.store.engine import check_file
 from doormill_ros.tools.command_line import OneLineParser, add_database
 from doormill_ros.units import bytes_to_gigabytes, m_to_mm, ns_to_s, s_to_ns
 
@@ -77,6 +78,8 @@ def main(argv: list[str] | None = None) -> int:
     """
     arguments = parser().parse_args(argv)
     try:
+        if arguments.database is not None and arguments.command != "rebuild":
+            check_file(arguments.database)
         with Catalogue(arguments.database) as catalogue:
             return COMMANDS[arguments.command](catalogue, arguments)
     except DoormillError as error:

@@ -12,7 +12,7 @@ from doormill_ros.recipes.drawing import draw_recipe
 from doormill_ros.recipes.errors import UnknownFileType
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.recipes.store.database import RecipeDatabase, RecipeRecord
-from doormill_ros.recipes.store.engine import ENVIRONMENT
+from doormill_ros.recipes.store.engine import ENVIRONMENT, check_file
 from doormill_ros.tools.command_line import add_database, user_name
 from doormill_ros.tools.tool_table import add_tools_command, tools_command
 
@@ -65,6 +65,8 @@ def main(argv: list[str] | None = None) -> int:
     """
     arguments = parser().parse_args(argv)
     try:
+        if arguments.database is not None and "import" not in _words(arguments):
+            check_file(arguments.database)
         with RecipeDatabase(arguments.database) as database:
             if arguments.database is None:
                 database.add_shipped()
@@ -75,6 +77,11 @@ def main(argv: list[str] | None = None) -> int:
     except BrokenPipeError:
         sys.stderr.close()  # the reader, such as head, has had enough
     return 0
+
+
+def _words(arguments: argparse.Namespace) -> tuple[str, ...]:
+    """The command, and of `tools` its own."""
+    return (arguments.command, getattr(arguments, "tools_command", ""))
 
 
 def _import(database: RecipeDatabase, arguments: argparse.Namespace) -> None:

@@ -99,16 +99,19 @@ def _replay(bag: Path, options: argparse.Namespace) -> int:
     if more > 0 and not (options.all or options.update):
         print(f"{bag}: {more} more fields differ (--all tells them)")
     if options.update:
+        outcome.check_ended()
         path = write_expectation(bag, outcome.answers)
         print(f"{bag}: {len(outcome.found)} fields changed, {path} written")
         return EQUAL
-    if not outcome.found:
+    if outcome.answers and not outcome.found:
         runs = "1 run" if len(outcome.answers) == 1 else f"{len(outcome.answers)} runs"
         print(f"{bag}: {runs}, {f'equal: {counts}' if counts else 'nothing compared'}")
-    for left_out in outcome.left_out:
+    for left_out in (*outcome.left_out, *outcome.unended):
         print(f"{bag}: not compared: {left_out}")
     if outcome.found:
         return DIFFERENT
+    if outcome.unended:
+        return UNREADABLE
     if options.accept:
         print(f"{bag}: accepted as {accept_bag(bag, next(iter(outcome.answers)))}")
     return EQUAL
@@ -155,10 +158,14 @@ def _replay_many(options: argparse.Namespace) -> int:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Replay; 0 when everything is equal, 1 when something differs, 2 when a bag cannot be replayed."""
+    """Replay; 0 when all is equal, 1 when something differs, 2 when a bag or a run cannot be replayed."""
     options = parse(arguments)
     try:
         options.bags = options.bags or accepted_bags()
+        if options.database:
+            from doormill_ros.recipes.store.engine import check_file
+
+            check_file(options.database)
     except DoormillError as error:
         print(f"replay: {error.message}", file=sys.stderr)
         return UNREADABLE

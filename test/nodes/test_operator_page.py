@@ -9,6 +9,7 @@ import pytest
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.parameter import Parameter
+from sensor_msgs.msg import Image
 
 from doormill_interfaces.msg import (
     AbbStatus,
@@ -177,3 +178,19 @@ def test_a_page_of_one_robot_hears_its_own_cell_alone(page: OperatorPage) -> Non
     page._take_diagnostics(diagnosis({}, name="cell1/robot2/abb_bridge"))
     assert page.store.view.faults == {}
     assert page.store.view.pair is None
+
+
+@pytest.mark.parametrize("overlay_first", [True, False])
+def test_a_picture_that_cannot_be_shown_is_no_error_of_the_page(
+    page: OperatorPage, overlay_first: bool
+) -> None:
+    taps = {tap.topic_name: tap.callback for tap in page.subscriptions}
+    heard = [
+        partial(taps["/cell1/door/overlay"], Image()),
+        partial(taps["/cell1/door/localization"], DoorLocalization(run_id="r1", accepted=True)),
+    ]
+    page._take_recipe(DoorRecipe(run_id="r1", door_id="oak"))
+    for hear in heard if overlay_first else reversed(heard):
+        hear()
+    assert page._health[:2] == (DiagnosticStatus.OK, "serving")
+    assert page.store.view.picture is None

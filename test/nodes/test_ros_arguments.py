@@ -7,12 +7,19 @@ import subprocess
 from dataclasses import replace
 from pathlib import Path
 
+import pytest
+
 from doormill_ros.cell.errors import NodeDeadError
 from doormill_ros.nodes import topics
+from doormill_ros.nodes.help_page import words_apart
+from doormill_ros.nodes.managed_node import ManagedNode
+from doormill_ros.nodes.run import run_nodes
 from support.cell_processes import NODES, CellProcesses, executable
+from support.package_nodes import reporting_nodes
 
 DOOR = "thesis_190_0deg"
 LIMIT = 120.0  # s
+HELPED = [kind for kind in reporting_nodes() if issubclass(kind, ManagedNode)]
 
 
 def test_a_node_under_another_name_with_other_topics_does_its_work(tmp_path: Path) -> None:
@@ -46,3 +53,54 @@ def test_an_executable_ends_with_one_sentence_on_what_ros_cannot_read(tmp_path: 
         assert ended.returncode == 2, ended.stderr
         assert arguments[1] in ended.stderr
         assert "Traceback" not in ended.stderr
+
+
+def test_help_tells_of_the_node_and_starts_nothing(tmp_path: Path) -> None:
+    for words in (["--help"], ["--ros-args", "-p", "bag:=here", "--", "-h"]):
+        ended = subprocess.run(
+            [executable("bag_recorder"), *words],
+            capture_output=True, text=True, timeout=LIMIT, check=False, cwd=tmp_path,
+        )  # fmt: skip
+        assert (ended.returncode, ended.stderr) == (0, "")
+        assert "Node /bag_recorder: every topic of the cell into an MCAP bag." in ended.stdout
+        assert list(tmp_path.iterdir()) == []
+
+
+def test_a_word_that_is_nobodys_ends_an_executable(tmp_path: Path) -> None:
+    for name, words in (("bag_recorder", ["--hlep"]), ("cell_simulator", ["--robot", "2", "--ros-args"])):
+        ended = subprocess.run(
+            [executable(name), *words],
+            capture_output=True, text=True, timeout=LIMIT, check=False, cwd=tmp_path,
+        )  # fmt: skip
+        assert ended.returncode == 2, ended.stderr
+        assert words[0] in ended.stderr
+        assert "Traceback" not in ended.stderr
+        assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("kind", HELPED, ids=lambda kind: kind.__name__)
+def test_help_tells_every_parameter(kind: type[ManagedNode], capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_nodes(kind, kind, arguments=["/usr/lib/node", "--help"]) == 0
+    out = capsys.readouterr().out
+    said = " ".join(out.split())
+    assert out.startswith("usage: node [--ros-args [-p NAME:=VALUE]")
+    assert " ".join((kind.__doc__ or "").split()) in said
+    assert out.count("  autostart:=true\n") == 1
+    for parameter in kind.PARAMETERS:
+        default = str(parameter.default) if parameter.default != "" else "''"
+        assert f"  {parameter.name}:={default.replace('True', 'true').replace('False', 'false')}\n" in out
+        told = f"{parameter.description}; allowed is {parameter.allowed}"
+        assert " ".join(told.split()) in said
+
+
+@pytest.mark.parametrize(
+    ("line", "own", "of_ros"),
+    [
+        ("a -h", "a -h", ""),
+        ("--ros-args -p a:=b", "", "--ros-args -p a:=b"),
+        ("a --ros-args -r b:=c -- d --ros-args e", "a d", "--ros-args -r b:=c -- --ros-args e"),
+        ("--ros-args -r b:=c --ros-args -r d:=e", "", "--ros-args -r b:=c --ros-args -r d:=e"),
+    ],
+)
+def test_words_are_the_executables_or_those_of_ros(line: str, own: str, of_ros: str) -> None:
+    assert words_apart(line.split()) == (own.split(), of_ros.split())

@@ -180,3 +180,12 @@ def test_without_a_database_the_shipped_recipes_are_there(tmp_path, monkeypatch,
     assert main(["list"]) == 0
     assert "standard_door\t1\t" in capsys.readouterr().out
     assert (tmp_path / "own.sqlite").is_file()
+
+
+@pytest.mark.parametrize("command", [["list"], ["show", "a"], ["history", "a"], ["tools", "list"]])
+def test_a_database_that_is_not_there_is_made_by_an_import_alone(tmp_path, capsys, command):
+    missing = tmp_path / "new" / "recipes.sqlite"
+    for url in (str(missing), f"sqlite:///{missing}"):
+        assert main(["--database", url, *command]) == 2
+        assert capsys.readouterr() == ("", f"recipes: there is no database {missing}; correct its name\n")
+        assert not missing.parent.exists()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import threading
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ import pytest
 from doormill_ros.recording.bag_filler import BagFiller
 from doormill_ros.recording.bag_writer import BagWriter
 from doormill_ros.recording.bounded_queue import BoundedQueue, Received
+from doormill_ros.recording.errors import BagEndError
 from support.waiting import until
 
 TOPIC, MESSAGE = "run/note", bytes(8)
@@ -73,3 +75,19 @@ def test_what_comes_while_the_disk_is_found_full_counts_as_lost(tmp_path: Path, 
     assert not queue.put(received(3))
     assert queue.dropped == {TOPIC: 3}
     filler.stop()
+
+
+class NoEnd(BagWriter):
+    """Finds no room for its last words."""
+
+    def close(self, dropped: Mapping[str, int] | None = None) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+
+def test_a_bag_that_cannot_be_ended_is_told_in_a_sentence(tmp_path: Path) -> None:
+    filler = BagFiller(BoundedQueue(1 << 20), NoEnd(tmp_path / "bag"))
+    filler.start()
+    with pytest.raises(BagEndError) as told:
+        filler.stop()
+    assert str(tmp_path / "bag") in told.value.message
+    assert "No space left on device; free the disk" in told.value.message

@@ -100,6 +100,17 @@ def test_what_cannot_be_done_is_said_in_one_line(catalogue: Run, arguments: list
     assert err.count("\n") == 1
 
 
+@pytest.mark.parametrize("command", [["list"], ["retain", "--days", "1"], ["keep", "run_1"]])
+def test_a_catalogue_that_is_not_there_is_not_made(
+    catalogue: Run, tmp_path: Path, command: list[str]
+) -> None:
+    missing = tmp_path / "new" / "runs.sqlite"
+    status, out, err = catalogue("--database", str(missing), *command)
+    assert (status, out) == (2, [])
+    assert f"there is no database {missing}" in err
+    assert not missing.parent.exists()
+
+
 def test_a_time_nobody_means_is_refused(catalogue: Run, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         catalogue("list", "--since", "yesterday")

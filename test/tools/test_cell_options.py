@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from doormill_ros.cell.errors import BadParameterError
 from doormill_ros.cell.run_folder import ShiftFolder
 from doormill_ros.cell.shift_summary import ShiftSummary
 from doormill_ros.cell.summary import FeatureError, RunSummary
@@ -53,6 +54,25 @@ def test_a_world_file_of_no_use_is_told_in_one_line_before_anything_is_made(
     assert said.startswith(f"cell: {world}: robots is unknown, allowed are robot, tool, links")
     assert said.count("\n") == 1
     assert not out.exists()
+
+
+@pytest.mark.parametrize("place", ["file", "file/below"])
+def test_a_file_in_the_way_of_a_run_is_told_in_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], place: str
+) -> None:
+    (tmp_path / "file").write_text("mine", encoding="utf-8")
+    out = tmp_path / place
+    assert main(["--door", "thesis_190_0deg", "--out", str(out)]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith(f"cell: folder {out} cannot be made anew: {tmp_path / 'file'}")
+    assert said.count("\n") == 1
+    assert (tmp_path / "file").read_text(encoding="utf-8") == "mine"
+
+
+def test_a_file_in_the_way_of_a_shift_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("mine", encoding="utf-8")
+    with pytest.raises(BadParameterError, match="cannot be made anew"):
+        ShiftFolder(tmp_path / "file").prepare()
 
 
 def test_the_table_of_a_shift_has_a_line_a_door() -> None:

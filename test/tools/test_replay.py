@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -15,10 +16,12 @@ from doormill_ros.abb.target_file import line as target_line
 from doormill_ros.correction import compensate
 from doormill_ros.localization import neighbourhood
 from doormill_ros.recording.accepted import accept_bag, accepted_bags
+from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.recording.replay import offline
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot_model.extended_document import model_document
 from doormill_ros.tools.replay import main
+from support.run_bags import BEGUN_NS, DAY_NS, DrawnRun, write_run_bag
 from support.source_tree import ROOT
 
 BAGS = ROOT / "bags"
@@ -68,6 +71,62 @@ def test_what_is_not_compared_is_told_and_not_counted(
     assert "/run/result" not in lines[0]
     assert "not compared: /run/result" in lines[1]
     assert "--live" in lines[1]
+
+
+def cut_in_half(bag: Path) -> None:
+    (file,) = bag.glob("*.mcap")
+    os.truncate(file, file.stat().st_size // 2)
+
+
+@pytest.mark.parametrize("options", [(), ("--accept",), ("--update",), ("--live", "--rate", "max")])
+def test_half_a_bag_is_neither_compared_nor_kept(
+    bag: Path,
+    options: tuple[str, ...],
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("DOORMILL_SITE", str(tmp_path / "site"))
+    cut_in_half(bag)
+    held = sum(1 for _ in read_bag(bag))
+    assert held > 0
+    listed = yaml.safe_load((bag / "metadata.yaml").read_text())["rosbag2_bagfile_information"][
+        "message_count"
+    ]
+    assert main([*options, str(bag)]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert f"holds {held} of the {listed} messages" in err
+    assert "is not compared; copy it again" in err
+    assert not (bag / "expected.yaml").exists()
+    assert not (tmp_path / "site").exists()
+
+
+@pytest.mark.parametrize("option", ["", "--accept"])
+def test_a_run_without_an_end_is_not_compared(
+    option: str, capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("DOORMILL_SITE", str(tmp_path / "site"))
+    runs = [
+        DrawnRun("run_0", offsets=(), correction=None),
+        DrawnRun("run_1", offsets=(), correction=None, begun_ns=BEGUN_NS + DAY_NS, success=None),
+    ]
+    bag = write_run_bag(tmp_path / "bag", runs)
+    status, lines = replay(capsys, bag, *filter(None, [option]))
+    assert status == 2
+    assert lines[0].endswith("1 run, equal: 1 of /run/result")
+    assert "not compared: run run_1 has no run/result" in lines[1]
+    assert len(lines) == 2
+    assert not (tmp_path / "site").exists()
+
+
+def test_a_run_without_an_end_becomes_no_expectation(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    bag = write_run_bag(tmp_path / "bag", [DrawnRun("run_0", offsets=(), correction=None, success=None)])
+    assert main(["--update", str(bag)]) == 2
+    assert "run run_0 has no run/result" in capsys.readouterr().err
+    assert not (bag / "expected.yaml").exists()
 
 
 def test_what_was_not_compared_stays_in_the_expectation(
@@ -249,3 +308,11 @@ def test_rates_are_positive(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         main([str(BAG), "--live", "--rate", "0"])
     assert "allowed are numbers above 0 and 'max'" in capsys.readouterr().err
+
+
+def test_a_database_that_is_not_there_is_not_made(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    missing = tmp_path / "new" / "recipes.sqlite"
+    assert main(["--database", str(missing), str(BAGS / "unknown_door")]) == 2
+    out, err = capsys.readouterr()
+    assert (out, err) == ("", f"replay: there is no database {missing}; correct its name\n")
+    assert not missing.parent.exists()

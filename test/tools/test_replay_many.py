@@ -63,6 +63,18 @@ def test_every_bag_has_its_line_and_one_that_differs_decides(
     assert f"{COUNT} bags: {COUNT - 2} equal, 1 differs, 1 unreadable" in err
 
 
+def test_a_bag_cut_in_half_is_not_equal(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    bag = Path(shutil.copytree(ROOT / "bags" / "thesis_190_0deg", tmp_path / "half"))
+    (file,) = bag.glob("*.mcap")
+    os.truncate(file, file.stat().st_size // 2)
+    write_run_bag(tmp_path / "open", [DrawnRun("run_0", offsets=(), correction=None, success=None)])
+    assert main(["--many", str(tmp_path), "--workers", "1"]) == 2
+    table = read(capsys.readouterr().out.splitlines())
+    assert {row["verdict"] for row in table.values()} == {"unreadable"}
+    assert table["half"]["first"].endswith("(609)")
+    assert "run run_0 has no run/result" in table["open"]["first"]
+
+
 @pytest.fixture
 def workers(tmp_path: Path) -> Iterator[tuple[str, list[subprocess.Popen[str]]]]:
     """A scheduler and two workers as processes, as on machines of their own."""

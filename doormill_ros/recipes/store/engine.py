@@ -16,6 +16,7 @@ from doormill_ros.units import s_to_ms
 
 ENVIRONMENT, FILE = "DOORMILL_DATABASE", "recipes.sqlite"
 BUSY_SECONDS = 30  #: how long a SQLite writer waits for another
+_IN_MEMORY = (None, "", ":memory:")
 _SWITCH_PAUSE = 0.01  # s
 POSTGRESQL_ARGUMENTS = {"connect_timeout": 5}  # s
 WRITE = "doormill_write"  #: execution option of a connection that is going to write
@@ -37,16 +38,7 @@ def make_engine(url: str | None = None) -> sa.Engine:
     Raises:
         DatabaseUnreachable: Not a URL, or of another kind of database.
     """
-    text = str(url or default_url())
-    if "://" not in text:
-        text = f"sqlite:///{Path(text).expanduser()}"
-    try:
-        parsed = sa.make_url(text)
-        backend = parsed.get_backend_name()
-    except (sa.exc.ArgumentError, ValueError) as error:
-        raise DatabaseUnreachable(
-            f"found the database URL {text!r}, which cannot be read: {error}"
-        ) from error
+    parsed, backend = _read(str(url or default_url()))
     if backend == "sqlite":
         return _sqlite(parsed)
     if backend in ("postgresql", "postgres"):
@@ -56,6 +48,35 @@ def make_engine(url: str | None = None) -> sa.Engine:
         f"found a database URL of the kind {backend!r}, allowed are sqlite:/// and postgresql://",
         found=backend,
     )
+
+
+def check_file(url: str) -> None:
+    """Refuse a SQLite file that is not there: to open it would make an empty one.
+
+    Args:
+        url: As for `make_engine`; a database in memory or on a server passes.
+
+    Raises:
+        DatabaseUnreachable: There is no such file, or it is not a URL.
+    """
+    parsed, backend = _read(url)
+    if backend == "sqlite" and parsed.database not in _IN_MEMORY:
+        path = Path(str(parsed.database)).expanduser()
+        if not path.exists():
+            raise DatabaseUnreachable(f"there is no database {path}; correct its name", path=str(path))
+
+
+def _read(text: str) -> tuple[sa.URL, str]:
+    """The URL that a text or a file's name is, and the kind of its database."""
+    if "://" not in text:
+        text = f"sqlite:///{Path(text).expanduser()}"
+    try:
+        parsed = sa.make_url(text)
+        return parsed, parsed.get_backend_name()
+    except (sa.exc.ArgumentError, ValueError) as error:
+        raise DatabaseUnreachable(
+            f"found the database URL {text!r}, which cannot be read: {error}"
+        ) from error
 
 
 def make_reader(engine: sa.Engine) -> sa.Engine:
@@ -88,7 +109,7 @@ def _write_ahead(connection: sqlite3.Connection) -> None:
 
 def _sqlite(url: sa.URL) -> sa.Engine:
     arguments = {"timeout": BUSY_SECONDS, "check_same_thread": False}
-    if url.database in (None, "", ":memory:"):
+    if url.database in _IN_MEMORY:
         engine = sa.create_engine("sqlite://", connect_args=arguments, poolclass=StaticPool)
     else:
         path = Path(url.database).expanduser()

@@ -40,8 +40,10 @@ def judge_bag(bag: str, options: OfflineOptions | None = None) -> BagVerdict:
         options: As for `replay_offline`.
 
     Raises:
-        BagError: It cannot be replayed.
+        BagError: It cannot be replayed, or nothing differs and the end of a run is missing.
     """
     outcome = replay_bag(Path(bag), partial(replay_offline, options=options))
+    if not outcome.found:
+        outcome.check_ended()
     first = str(outcome.found[0]) if outcome.found else ""
     return BagVerdict(len(outcome.answers), sum(outcome.counts.values()), len(outcome.found), first)

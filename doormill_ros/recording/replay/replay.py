@@ -6,12 +6,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from doormill_ros.recording.completeness import check_whole
+from doormill_ros.recording.errors import IncompleteBagError
 from doormill_ros.recording.replay.answer import RECIPE, Answer
 from doormill_ros.recording.replay.compare import Difference, differences
 from doormill_ros.recording.replay.expectation import read_expectation
 from doormill_ros.recording.replay.offline import OFFLINE_STAGES, replay_offline
 from doormill_ros.recording.replay.recorded_run import RecordedRun
 from doormill_ros.recording.replay.run_reader import read_runs
+from doormill_ros.recording.run_topics import RUN_RESULT
 
 Replayer = Callable[[RecordedRun], Sequence[Answer]]
 
@@ -24,11 +27,13 @@ class ReplayOutcome:
         bag: Which bag.
         answers: What the stages answered now, by run id.
         found: Every difference, the first one first.
+        unended: A sentence for each run whose end was not recorded; no stage of it was asked.
     """
 
     bag: Path
     answers: dict[str, list[Answer]] = field(default_factory=dict)
     found: list[Difference] = field(default_factory=list)
+    unended: list[str] = field(default_factory=list)
 
     @property
     def counts(self) -> dict[str, int]:
@@ -45,6 +50,15 @@ class ReplayOutcome:
         """Topic and reason of every message that was not compared."""
         answers = [answer for of_run in self.answers.values() for answer in of_run]
         return [f"{answer.topic}: {answer.not_compared}" for answer in answers if answer.not_compared]
+
+    def check_ended(self) -> None:
+        """Refuse a bag with a run that was not compared because its end is missing.
+
+        Raises:
+            IncompleteBagError: There is one.
+        """
+        if self.unended:
+            raise IncompleteBagError(f"bag {self.bag} is not compared: {'; '.join(self.unended)}")
 
 
 def replay_bag(
@@ -64,11 +78,20 @@ def replay_bag(
     Raises:
         UnreadableBagError: No such bag, or damaged beyond reading.
         EmptyBagError: No run is in it.
+        IncompleteBagError: It holds fewer messages than its metadata.yaml lists.
         BadExpectationError: Its expected.yaml is not of its form.
     """
     outcome = ReplayOutcome(bag)
     written = read_expectation(bag) or {}
-    for run in read_runs(bag):
+    runs = read_runs(bag)
+    check_whole(bag)
+    for run in runs:
+        if run.result is None:
+            # What was recorded of it may be any part of what there was: being like that says nothing.
+            outcome.unended.append(
+                f"run {run.run_id} has no {RUN_RESULT}, its recording stopped before it ended; record a whole run"
+            )
+            continue
         recorded = run.answers()
         # The recipe is an input of the other stages: expected.yaml has nothing to say about it.
         wanted = [a for a in recorded if a.topic == RECIPE] + [

@@ -21,6 +21,7 @@ from doormill_ros.abb.target_file import move as target_move
 from doormill_ros.abb.target_file import trailer as target_trailer
 from doormill_ros.resources import resource
 from doormill_ros.simulation.controller.controller import OWN_MODULES
+from doormill_ros.simulation.controller.event_routines import read_event_routines
 from doormill_ros.simulation.controller.io_configuration import read_io_configuration
 from doormill_ros.simulation.controller.rapid import syntax as s
 from doormill_ros.simulation.controller.rapid.parser import parse_module
@@ -171,6 +172,14 @@ def test_both_robotwares_load_the_same_modules_in_the_order_of_their_use():
         assert (old[0][4:12], new[0][4:12]) == ("CFG_1.0:", "CFG_1.0:")
         assert (old[0].split(":")[2], new[0].split(":")[2]) == ("6", "7")
         assert new[1].replace(".modx", ".mod") == old[1]
+
+
+@pytest.mark.parametrize("place", ["rapid", "rapid/rw7"])
+def test_no_way_to_go_on_leaves_out_what_holds_the_robot(place: str) -> None:
+    """The step button goes on along the path as a start does; its event is one of its own."""
+    routines = read_event_routines(resource(place) / "SYS.cfg")
+    for event in ("START", "STEP", "RESTART"):
+        assert routines[event] == ("DoorRestarted",), event
 
 
 def test_the_newer_robotwares_files_run(controller):
