@@ -11,6 +11,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from doormill_ros.cell.errors import BadParameterError
 from doormill_ros.cell.run_folder import point_latest
 from doormill_ros.interrupts import die_of_interrupts, interrupt_once
 from doormill_ros.tools.cell_options import parse
@@ -35,9 +36,12 @@ def main(arguments: list[str] | None = None) -> int:
     options = parse(arguments)
     # All that follows imports late, so that --help answers at once.
     parameters = _parameters(options)
-    if options.doors is not None:
-        return _mill_shift(options, parameters, alone)
-    return _mill_door(options, parameters, alone)
+    mill = _mill_door if options.doors is None else _mill_shift
+    try:
+        return mill(options, parameters, alone)
+    except BadParameterError as refused:  # such as of --offset or --out
+        print(f"cell: {refused.message}", file=sys.stderr)
+        return 2
 
 
 def _parameters(options: argparse.Namespace) -> Parameters:
@@ -56,7 +60,6 @@ def _parameters(options: argparse.Namespace) -> Parameters:
 
 def _mill_door(options: argparse.Namespace, parameters: Parameters, alone: bool) -> int:
     """Mill one door, write and tell of its report; the status of `main`."""
-    from doormill_ros.cell.errors import BadParameterError
     from doormill_ros.cell.inspection import OUT_OF_TOLERANCE
     from doormill_ros.errors import DoormillError
     from doormill_ros.nodes.cell import CellOptions, run_once
@@ -98,11 +101,7 @@ def _mill_door(options: argparse.Namespace, parameters: Parameters, alone: bool)
     if alone:
         import_matplotlib()
         interrupt_once(ENDING)
-    try:
-        summary = run_once(options.door[0], folder, cell, progress, milled)
-    except BadParameterError as refused:  # such as of --offset
-        print(f"cell: {refused.message}", file=sys.stderr)
-        return 2
+    summary = run_once(options.door[0], folder, cell, progress, milled)
     unreported = ""
     try:
         write_report(Path(summary.bag), Path(summary.report))

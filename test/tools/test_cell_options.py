@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from doormill_ros.cell.errors import BadParameterError
 from doormill_ros.cell.run_folder import ShiftFolder
 from doormill_ros.cell.shift_summary import ShiftSummary
 from doormill_ros.cell.summary import FeatureError, RunSummary
@@ -69,10 +68,14 @@ def test_a_file_in_the_way_of_a_run_is_told_in_one_line(
     assert (tmp_path / "file").read_text(encoding="utf-8") == "mine"
 
 
-def test_a_file_in_the_way_of_a_shift_is_refused(tmp_path: Path) -> None:
+def test_a_file_in_the_way_of_a_shift_is_told_in_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     (tmp_path / "file").write_text("mine", encoding="utf-8")
-    with pytest.raises(BadParameterError, match="cannot be made anew"):
-        ShiftFolder(tmp_path / "file").prepare()
+    assert main(["--door", "thesis_190_0deg", "--doors", "2", "--out", str(tmp_path / "file")]) == 2
+    said = capsys.readouterr().err
+    assert "cannot be made anew" in said
+    assert said.count("\n") == 1
 
 
 def test_the_table_of_a_shift_has_a_line_a_door() -> None:
