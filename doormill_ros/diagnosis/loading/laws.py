@@ -6,6 +6,8 @@ from dataclasses import replace
 from typing import Any
 
 from doormill_ros.diagnosis.core.characterised import Characterised
+from doormill_ros.diagnosis.core.finding import make_findings
+from doormill_ros.diagnosis.core.fit_examiner import STRUCTURE, excess_probability
 from doormill_ros.diagnosis.core.kind import Progress
 from doormill_ros.diagnosis.law.characterise import characterise, remains
 from doormill_ros.diagnosis.law.search import LawSearch
@@ -28,7 +30,13 @@ def with_laws(diagnosis: LoadingDiagnosis, progress: Progress = lambda line: Non
     keys = {cause.key for cause in extended.members}
     terms = [term for term in (*known, *dictionary(problem.case, reflectors)) if term.key not in keys]
     search = LawSearch(problem, extended.members, extended.theta, terms, place_of, progress)
-    return replace(diagnosis, characterised=characterise(search, diagnosis.kept))
+    found = characterise(search, diagnosis.kept)
+    if found is None:
+        return diagnosis
+    # One model, one set of numbers: those of the fit that holds the laws, too.
+    structure = excess_probability(found.fit, problem.components) < STRUCTURE
+    findings = make_findings(diagnosis.search, diagnosis.examination, structure, found.fit)
+    return replace(diagnosis, characterised=found, findings=findings)
 
 
 def sized_laws(diagnosis: LoadingDiagnosis) -> list[SizedCause]:

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-import numpy as np
-
 from doormill_ros.diagnosis.core.judgement import weighed
 from doormill_ros.diagnosis.law.characterise import remains
 from doormill_ros.diagnosis.law.remainder import Searched, searched
@@ -52,17 +50,11 @@ def _searched(finding: JointFinding, companies: Companies, progress: Callable[[s
 def model_with_laws(diagnosis: MotionDiagnosis) -> MotionModel:
     """The established causes, fitted anew beside the laws of their joint, and these."""
     joints = []
-    for finding, found in zip(diagnosis.joints, diagnosis.laws, strict=True):
-        extended, problem, motion = finding.extended, finding.problem, finding.problem.motions[0]
-        if found is not None:
-            base, *_ = found.fit.members
-            none = np.zeros(0)
-            solution = found.weights(base)
-            beside = problem.unpacked(extended.members, extended.delay, solution, 0.0 * solution, none, none)
-            laws = [(term, found.weights(term)) for law in found.laws for term in law.terms]
-            joints.append(replace(model_of(beside, motion), laws=tuple(laws)))
-        else:
-            joints.append(model_of(extended, motion))
+    for finding, told, found in zip(diagnosis.joints, diagnosis.told, diagnosis.laws, strict=True):
+        terms = (
+            [] if found is None else [(term, found.weights(term)) for law in found.laws for term in law.terms]
+        )
+        joints.append(replace(model_of(told, finding.problem.motions[0]), laws=tuple(terms)))
     return MotionModel(diagnosis.sets[0].robot, tuple(joints))
 
 

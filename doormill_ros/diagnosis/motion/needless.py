@@ -18,8 +18,8 @@ from doormill_ros.diagnosis.core.verdict import AT_NOISE
 from doormill_ros.diagnosis.law.remainder import Searched, searched_once
 from doormill_ros.diagnosis.motion.examination import JointFinding
 from doormill_ros.diagnosis.motion.patterns import FOLLOWING
-from doormill_ros.diagnosis.motion.remainder import Companies, remainder
-from doormill_ros.diagnosis.motion.search import WORTH
+from doormill_ros.diagnosis.motion.remainder import Companies, beside_laws, remainder
+from doormill_ros.diagnosis.motion.search import CLEAR, WORTH
 from doormill_ros.robot_model.motion.causes.cause import MotionCause
 from doormill_ros.robot_model.motion.causes.joint_damping import JointDamping
 from doormill_ros.robot_model.motion.causes.joint_friction import MotionFriction
@@ -31,6 +31,7 @@ from doormill_ros.robot_model.motion.law.term import MotionTerm
 #: Why a name is taken back.
 OTHER_LAW = "what follows the same driver beside it says that its law is another"
 NEEDLESS = "a law without a name does as well without it"
+GONE = "beside a law without a name no such size is left of it"
 #: What a spring or a gap acts on in the words of laws, and a damper.
 _ACTS_ON = ("spring", "joint angle")
 #: What causes act on in the words of laws, as these begin: a friction that varies is a friction still.
@@ -66,7 +67,24 @@ def taken_back(
     if not behind:
         return []
     least = int(ranks(np.array(behind))[0])
-    return [(finding.named[least], NEEDLESS)] if behind[least] < EQUAL else []
+    if behind[least] < EQUAL:
+        return [(finding.named[least], NEEDLESS)]
+    gone = _gone(finding, found)
+    return [] if gone is None else [(gone, GONE)]
+
+
+def _gone(finding: JointFinding, found: Searched) -> MotionCause | None:
+    """The named cause of which least is left beside laws, if that is not clear of zero or what no such cause can be."""
+    if not (found.laws and finding.named):
+        return None
+    told = beside_laws(finding.problem, finding.extended, found.problem, found.best)
+    impossible = finding.problem.impossible(told)
+    strengths = [
+        -1.0 if any(cause is one for one in impossible) else finding.search.strength(told, cause)
+        for cause in finding.named
+    ]
+    least = int(ranks(np.array(strengths))[0])
+    return finding.named[least] if strengths[least] <= CLEAR else None
 
 
 def _same_law(term: MotionTerm, cause: MotionCause) -> bool:
