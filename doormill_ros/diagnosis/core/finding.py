@@ -125,7 +125,9 @@ def _make_finding(
         without=rmse(
             search.without(examination.extended, cause).held_out, examination.kept, problem.components
         ),
-        rivals=tuple((other, found.held_out_score) for other, found in search.rivals(best, cause)),
+        rivals=tuple(
+            (other, found.held_out_score) for other, found in search.rivals(examination.best, cause)
+        ),
     )
 
 
