@@ -15,7 +15,8 @@ from doormill_ros.measurements.trial_table import TrialTable
 from doormill_ros.robot_model.motion.view import JointMotion
 
 SCHEMA = "doormill/motion-set/1"
-JOINTS = 6
+#: Numbers of joints that a robot may have.
+JOINTS = (6, 7)
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +31,7 @@ class MotionSet:
         joints: Numbers of the joints with a link encoder.
         motions: What was recorded of each of them.
         line: Line of each sample in samples.csv, shape (n,).
-        commanded: Angles of all joints, shape (n, 6) [rad].
+        commanded: Angles of all joints, shape (n, J) [rad]; J is 7 where joint 7 has a link encoder, else 6.
         motor_inertia: By joint, of those the model knows [kg m^2].
         noise: Standard deviation of link encoder, motor encoder [rad] and torque [N m]; None where not stated.
     """
@@ -76,7 +77,7 @@ def read_motion_set(folder: Path) -> MotionSet:
     if "motor_inertia" in document.get("model"):
         inertia = tuple(_of_joints(document, joints, "model", "motor_inertia").tolist())
     own = [name for kind in ("m", "l", "tau") for name in (f"{kind}{joint}" for joint in joints)]
-    commanded = [f"r{joint}" for joint in range(1, JOINTS + 1)]
+    commanded = [f"r{joint}" for joint in range(1, max(joints[-1], JOINTS[0]) + 1)]
     table = TrialTable(folder / "samples.csv", ["t", *own, *commanded])
     time = even_times(table, table.numbers("t"), rate)
     values = {name: table.numbers(name) for name in own}
@@ -147,16 +148,18 @@ def _told(data: MotionSet) -> str:
 def _joints(document: SetDocument) -> tuple[int, ...]:
     joints = document.get("joints")
     whole = isinstance(joints, list) and all(type(joint) is int for joint in joints)
-    if not whole or not joints or sorted(set(joints)) != joints or joints[0] < 1 or joints[-1] > JOINTS:
-        raise document.fail(("joints",), f"is {joints!r}, allowed are ascending numbers from 1 to {JOINTS}")
+    if not whole or not joints or sorted(set(joints)) != joints or joints[0] < 1 or joints[-1] > JOINTS[-1]:
+        raise document.fail(
+            ("joints",), f"is {joints!r}, allowed are ascending numbers from 1 to {JOINTS[-1]}"
+        )
     return tuple(joints)
 
 
 def _of_joints(document: SetDocument, joints: tuple[int, ...], *keys: str) -> FloatArray:
-    """One number for each of the joints, from a list of just these or of all six, shape (len(joints),)."""
+    """One number for each of the joints, from a list of just these or of all six or seven, shape (len(joints),)."""
     listed = document.get(*keys)
-    every = isinstance(listed, list) and len(listed) == JOINTS
-    values = document.vector(JOINTS if every else len(joints), *keys)
+    every = isinstance(listed, list) and len(listed) in JOINTS and len(listed) >= joints[-1]
+    values = document.vector(len(listed) if every else len(joints), *keys)
     if np.any(values <= 0.0):
         raise document.fail(keys, f"is {values.tolist()}, allowed are positive numbers")
     return values[[joint - 1 for joint in joints]] if every else values

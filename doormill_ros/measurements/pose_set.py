@@ -28,6 +28,8 @@ COLUMNS = ("row", "t", "temperature", *POSITION_COLUMNS, "placement")
 #: What a set says whose placement is that of another.
 SAME = "same as "
 
+#: Of what set.yaml may state the noise.
+NOISE = ("position", "rotation")
 #: Noise that is assumed where a set does not state it [m], [rad].
 DEFAULT_NOISE = (1.5e-5, 6.0e-5)
 #: Largest deviation of a quaternion's norm from 1.
@@ -45,6 +47,7 @@ class PoseSet:
         dh: Nominal table, shape (J, 4) of 6 or 7 joints: theta_offset, d, a, alpha.
         links: Masses of the links, empty where not known.
         noise: Standard deviation per axis, position [m] and rotation [rad].
+        assumed: What of the noise set.yaml does not state, so that `DEFAULT_NOISE` is assumed: position, rotation.
         same_as: Name of the set whose placement this one has; empty where it has its own.
         row: Row numbers in the order of recording, shape (n,).
         time: Since the start of the set, shape (n,) [s], NaN where not recorded.
@@ -61,6 +64,7 @@ class PoseSet:
     dh: FloatArray
     links: tuple[LinkMass, ...]
     noise: tuple[float, float]
+    assumed: tuple[str, ...]
     same_as: str
     row: IntArray
     time: FloatArray
@@ -141,6 +145,7 @@ def read_pose_set(folder: Path) -> PoseSet:
         dh=dh,
         links=_links(document, len(dh)),
         noise=_noise(document),
+        assumed=tuple(name for name in NOISE if name not in (document.data.get("noise") or ())),
         same_as=same_as,
         rotation=rotation,
         **arrays,
@@ -171,10 +176,20 @@ def _same_as(document: SetDocument) -> str:
 
 
 def _rotation(table: TrialTable) -> FloatArray | None:
-    """R_tracker_target, shape (n, 3, 3); None where the table has no column of orientation."""
-    if not set(QUATERNION_COLUMNS) & set(table.columns):
+    """R_tracker_target, shape (n, 3, 3); None where the table has no column of orientation, or nothing in any."""
+    given = [name for name in QUATERNION_COLUMNS if name in table.columns and any(table.text(name))]
+    if not given:
         return None
     table.require(QUATERNION_COLUMNS)
+    for name in QUATERNION_COLUMNS:
+        if "" in table.text(name):
+            raise _fail(
+                table,
+                table.text(name).index(""),
+                name,
+                "is empty, allowed is a number in every row, or in none where positions alone were measured: "
+                "fill it in, leave the pose out, or leave out qw, qx, qy and qz",
+            )
     quaternion = table.block(QUATERNION_COLUMNS)
     norm = np.linalg.norm(quaternion, axis=1)
     for index in np.flatnonzero(np.abs(norm - 1.0) > NORM_TOLERANCE):
@@ -248,5 +263,5 @@ def _noise(document: SetDocument) -> tuple[float, float]:
         raise document.fail(("noise",), "needs position and rotation")
     return tuple(  # type: ignore[return-value]
         document.number("noise", name, positive=True) if name in noise else default
-        for name, default in zip(("position", "rotation"), DEFAULT_NOISE, strict=True)
+        for name, default in zip(NOISE, DEFAULT_NOISE, strict=True)
     )

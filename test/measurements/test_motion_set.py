@@ -103,6 +103,22 @@ def test_lists_of_all_six_joints_are_taken_by_number(folder):
     assert [motion.stiffness for motion in read_motion_set(folder).motions] == [1e6, 2e6, 3e6]
 
 
+def test_a_robot_of_seven_joints_is_read(folder):
+    _edit(folder, lambda one: one.update(joints=[1, 2, 7]))
+    _edit(folder, lambda one: one["model"].update(joint_stiffness=[1e6, 2e6, 3e6, 4e6, 5e6, 6e6, 7e6]))
+    names = (folder / "samples.csv").read_text().splitlines()[0]
+    seventh = names.replace("m3", "m7").replace("l3", "l7").replace("tau3", "tau7")
+    _rows(folder, lambda lines: lines.__setitem__(0, seventh))
+    with pytest.raises(DataSetError, match="column r7: the column is missing"):
+        read_motion_set(folder)
+    _rows(folder, lambda lines: lines.__setitem__(0, f"{lines[0]},r7"))
+    _rows(folder, lambda lines: lines.__setitem__(slice(1, None), [f"{line},0.25" for line in lines[1:]]))
+    data = read_motion_set(folder)
+    assert [(motion.joint, motion.stiffness) for motion in data.motions] == [(1, 1e6), (2, 2e6), (7, 7e6)]
+    assert data.commanded.shape == (len(data), 7)
+    assert np.all(data.commanded[:, 6] == 0.25)
+
+
 def _edit(folder, change):
     path = folder / "set.yaml"
     document = yaml.safe_load(path.read_text())
@@ -130,8 +146,8 @@ def _cell(line, column, text):
     ("change", "code", "told"),
     [
         (lambda f: _edit(f, lambda one: one.update(schema="doormill/motion-set/9")), 502, "doormill/motion-set/1"),
-        (lambda f: _edit(f, lambda one: one.update(joints=[1, 2, 7])), 502, "ascending numbers from 1 to 6"),
-        (lambda f: _edit(f, lambda one: one.update(joints=[])), 502, "ascending numbers from 1 to 6"),
+        (lambda f: _edit(f, lambda one: one.update(joints=[1, 2, 8])), 502, "ascending numbers from 1 to 7"),
+        (lambda f: _edit(f, lambda one: one.update(joints=[])), 502, "ascending numbers from 1 to 7"),
         (lambda f: _edit(f, lambda one: one.update(rate=500.0)), 513, "a rate of 500 needs 0.002"),
         (lambda f: _edit(f, lambda one: one.update(rate=-1)), 502, "allowed is a positive number"),
         (lambda f: _edit(f, lambda one: one["model"].pop("joint_stiffness")), 502, "is missing"),

@@ -2,7 +2,9 @@
 
 import numpy as np
 import pytest
+import yaml
 
+from doormill_ros.diagnosis.pose.kind import Poses
 from doormill_ros.measurements.errors import PoseTableError, TrialTableError
 from doormill_ros.measurements.pose_set import placement_owners, read_pose_set
 from doormill_ros.tools.diagnose import main
@@ -35,6 +37,30 @@ def test_a_good_set_is_read(folder, invented):
     np.testing.assert_allclose(data.rotation @ np.swapaxes(data.rotation, 1, 2), [np.eye(3)] * 12, atol=1e-12)
     assert np.all(np.isnan(data.temperature))
     assert data.placement.sum() == 1
+
+
+def test_noise_that_is_not_stated_is_known_as_assumed(folder):
+    assert read_pose_set(folder).assumed == ()
+    described = yaml.safe_load((folder / "set.yaml").read_text())
+    for noise, assumed in (({"rotation": 5e-5}, ("position",)), (None, ("position", "rotation"))):
+        (folder / "set.yaml").write_text(yaml.safe_dump(described | {"noise": noise}))
+        assert read_pose_set(folder).assumed == assumed
+
+
+def test_a_series_of_fewer_rows_than_blocks_is_checked_but_not_diagnosed(folder, tmp_path, capsys):
+    lines = (folder / "poses.csv").read_text().splitlines(keepends=True)
+    few = tmp_path / "few"
+    few.mkdir()
+    (few / "set.yaml").write_text((folder / "set.yaml").read_text())
+    for rows in (5, 9):
+        (few / "poses.csv").write_text("".join(lines[: rows + 1]))
+        code = main(["--data", str(few), "--out", str(tmp_path / "out")])
+        (message,) = capsys.readouterr().err.strip().splitlines()
+        assert code == 2
+        assert f"poses.csv: line {rows + 1}, column row: the table holds {rows} rows" in message
+        assert "needs 10 at least" in message
+        assert not (tmp_path / "out").exists()
+    Poses().check_together([read_pose_set(folder)], [read_pose_set(few)])
 
 
 @pytest.mark.parametrize(
@@ -136,6 +162,16 @@ class TestPositionsAlone:
     def test_a_part_of_an_orientation_is_none(self, folder):
         edit(folder / "poses.csv", "qx", "qq")
         with pytest.raises(TrialTableError, match="column qx: the column is missing"):
+            read_pose_set(folder)
+
+    def test_columns_of_orientation_with_nothing_in_them_are_those_of_a_point(self, folder):
+        for line in range(2, 14):
+            for column in ("qw", "qx", "qy", "qz"):
+                cell(folder, line, column, "")
+        data = read_pose_set(folder)
+        assert (data.oriented, len(data)) == (False, 12)
+        cell(folder, 5, "qy", "0.5")
+        with pytest.raises(PoseTableError, match=r"line 2, column qw: is empty, allowed is .* leave out qw"):
             read_pose_set(folder)
 
     def test_more_joints_than_the_model_has_are_refused(self, folder):

@@ -49,7 +49,10 @@ class Finding(Generic[C]):
 
 
 def make_findings(
-    search: BeamSearch[C], examination: Examination[C, Fit[C]], structure: bool
+    search: BeamSearch[C],
+    examination: Examination[C, Fit[C]],
+    structure: bool,
+    told: Fit[C] | None = None,
 ) -> tuple[Finding[C], ...]:
     """All established causes, each sized also in the models where equals stand for the others.
 
@@ -57,6 +60,7 @@ def make_findings(
         search: All models.
         examination: The best of them, and what is named.
         structure: Whether something remains unexplained; uncertainties then grow with it.
+        told: The model whose numbers are told, where that is not the best of the search: one of the causes and laws.
     """
     established, doubles = examination.named, examination.doubles
     findings = []
@@ -67,7 +71,8 @@ def make_findings(
             for equal in others
             if j != i and equal.model is not None and any(member is cause for member in equal.model.members)
         ]
-        findings.append(_make_finding(search, examination, cause, structure, doubles[i], alternatives))
+        away = [_values(search.problem, model, cause) for model in alternatives]
+        findings.append(_make_finding(search, examination, cause, structure, doubles[i], away, told))
     return tuple(findings)
 
 
@@ -77,7 +82,8 @@ def _make_finding(
     cause: C,
     structure: bool,
     same: Sequence[Double[C, Fit[C]]],
-    alternatives: Sequence[Fit[C]],
+    alternatives: Sequence[FloatArray],
+    told: Fit[C] | None,
 ) -> Finding[C]:
     """Size a cause of the best model, its uncertainty and what could stand in its place.
 
@@ -87,9 +93,10 @@ def _make_finding(
         cause: The member to report.
         structure: Whether something remains unexplained; uncertainties then grow with it.
         same: What would do as well in its place.
-        alternatives: Models that hold this cause beside an equal of another one.
+        alternatives: Values of this cause beside an equal of another one, shape (v,) each.
+        told: As of `make_findings`.
     """
-    problem, best = search.problem, examination.best
+    problem, best = search.problem, examination.best if told is None else told
     part = best.part(cause)
     theta = best.theta[part]
     covariance = best.covariance[part, part]
@@ -106,9 +113,9 @@ def _make_finding(
     std = np.sqrt(np.clip(np.diag(slope @ covariance @ slope.T), 0.0, None))
     for i in cause.kinked:
         std[i] = abs(slope[i, i]) * profile_std(problem, best, part.start + i)
-    for model in alternatives:
+    for other in alternatives:
         # Which of two equal models holds is a toss-up: its own value counts half.
-        away = cause.values(model.theta[model.part(cause)], problem.case) - values
+        away = other - _values(problem, examination.best, cause)
         std = np.sqrt(std**2 + 0.5 * away**2)
     return Finding(
         cause=cause,
@@ -118,8 +125,15 @@ def _make_finding(
         without=rmse(
             search.without(examination.extended, cause).held_out, examination.kept, problem.components
         ),
-        rivals=tuple((other, found.held_out_score) for other, found in search.rivals(best, cause)),
+        rivals=tuple(
+            (other, found.held_out_score) for other, found in search.rivals(examination.best, cause)
+        ),
     )
+
+
+def _values(problem: Problem[C], found: Fit[C], cause: C) -> FloatArray:
+    """Reported parameters of a member, shape (v,)."""
+    return cause.values(found.theta[found.part(cause)], problem.case)
 
 
 def profile_std(problem: Problem[C], found: Fit[C], index: int) -> float:

@@ -20,20 +20,26 @@ class Established(Candidate[Any]):
 
     name = "established"
 
-    def __init__(self, columns: FloatArray, coefficients: FloatArray) -> None:
-        """Keep its columns, shape (n, c, p), and what they are of a fit's coefficients, shape (m, p)."""
+    def __init__(self, columns: FloatArray, coefficients: FloatArray, unsaid: FloatArray) -> None:
+        """Keep what stays.
+
+        Args:
+            columns: Its columns, shape (n, c, p).
+            coefficients: What they are of a fit's coefficients, shape (m, p).
+            unsaid: Variance of these coefficients in directions of which no column speaks, shape (m,).
+        """
         super().__init__("model")
-        self._columns, self._coefficients = columns, coefficients
+        self.columns, self.coefficients, self.unsaid = columns, coefficients, unsaid
         count = columns.shape[2]
         self.scale, self.lower, self.upper = (np.full(count, v) for v in (1e3, -np.inf, np.inf))
 
     def effect(self, case: Any) -> FloatArray:
         """Its columns, shape (n, c, p)."""
-        return self._columns
+        return self.columns
 
     def values(self, theta: FloatArray, case: Any) -> FloatArray:
         """The fit's coefficients, by which they change, shape (m,)."""
-        return self._coefficients @ theta
+        return self.coefficients @ theta
 
 
 def established(columns: FloatArray, sigma: FloatArray, reach: FloatArray) -> Established:
@@ -48,7 +54,7 @@ def established(columns: FloatArray, sigma: FloatArray, reach: FloatArray) -> Es
     free = ~np.isfinite(reach)
     flat = (columns / sigma[:, None]).reshape(n * c, p)
     unit = np.where(free, 1.0 / np.maximum(np.linalg.norm(flat, axis=0), 1e-300), reach)
-    coefficients = []
+    coefficients, unsaid = [], np.zeros(p)
     # A direction whose whole usual size is less than its noise says nothing; free ones count if they are independent.
     for chosen, least in ((~free, 1.0), (free, 1e-7)):
         _, size, turned = np.linalg.svd(flat[:, chosen] * unit[chosen], full_matrices=False)
@@ -56,8 +62,10 @@ def established(columns: FloatArray, sigma: FloatArray, reach: FloatArray) -> Es
         part = np.zeros((p, int(clear.sum())))
         part[chosen] = np.sqrt(n) * unit[chosen][:, None] * turned[clear].T / size[clear]
         coefficients.append(part)
+        if least == 1.0:
+            unsaid[chosen] = unit[chosen] ** 2 * np.clip(1.0 - np.sum(turned[clear] ** 2, axis=0), 0.0, 1.0)
     M = np.hstack(coefficients)
-    return Established(columns @ M, M)
+    return Established(columns @ M, M, unsaid)
 
 
 class LinearProblem:

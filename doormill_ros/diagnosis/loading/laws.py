@@ -6,6 +6,8 @@ from dataclasses import replace
 from typing import Any
 
 from doormill_ros.diagnosis.core.characterised import Characterised
+from doormill_ros.diagnosis.core.finding import make_findings
+from doormill_ros.diagnosis.core.fit_examiner import STRUCTURE, excess_probability
 from doormill_ros.diagnosis.core.kind import Progress
 from doormill_ros.diagnosis.core.verdict import AT_NOISE
 from doormill_ros.diagnosis.law.characterise import characterise, remains
@@ -34,7 +36,12 @@ def with_laws(diagnosis: LoadingDiagnosis, progress: Progress = lambda line: Non
     found, why = characterise(search, diagnosis.kept)
     remains_still = found is None or found.holdout_rmse >= AT_NOISE * problem.noise_floor
     remarks = [*([why] if why else []), *([not_tried(labels)] if labels and remains_still else [])]
-    return replace(diagnosis, characterised=found, remarks=(*diagnosis.remarks, *remarks))
+    told = replace(diagnosis, characterised=found, remarks=(*diagnosis.remarks, *remarks))
+    if found is None:
+        return told
+    # One model, one set of numbers: those of the fit that holds the laws, too.
+    structure = excess_probability(found.fit, problem.components) < STRUCTURE
+    return replace(told, findings=make_findings(diagnosis.search, diagnosis.examination, structure, found.fit))
 
 
 def sized_laws(diagnosis: LoadingDiagnosis) -> list[SizedCause]:

@@ -76,21 +76,24 @@ def named_causes(diagnosis: MotionDiagnosis) -> list[NamedCause]:
                 without=diagnosis.without_skew,
             )
         )
-    for finding in joints:
+    for finding, told in zip(joints, diagnosis.told, strict=True):
         members = finding.extended.members
         for key in dict.fromkeys(cause.key for cause in members):
             indices = [i for i, cause in enumerate(members) if cause.key == key]
-            found.append(_named(finding, indices, total, len(joints)))
+            found.append(_named(finding, told, indices, total, len(joints)))
     return found
 
 
-def _named(finding: JointFinding, indices: Sequence[int], total: float, joints: int) -> NamedCause:
+def _named(
+    finding: JointFinding, told: JointFit, indices: Sequence[int], total: float, joints: int
+) -> NamedCause:
+    """One cause: its numbers as they are told, its worth as one of the named causes alone."""
     extended, problem = finding.extended, finding.problem
     first = extended.members[indices[0]]
     doubles: dict[tuple[str, str], Double[Any, Any]] = {}
     parameters: Figures = {}
     for index in indices:
-        parameters |= _parameters(finding, index)
+        parameters |= _parameters(told, index, problem.stiffness)
         for double in finding.doubles[index]:
             doubles.setdefault(double.cause.key, double)
     rest = [cause for i, cause in enumerate(extended.members) if i not in indices]
@@ -108,17 +111,16 @@ def _named(finding: JointFinding, indices: Sequence[int], total: float, joints: 
     )
 
 
-def _parameters(finding: JointFinding, index: int) -> Figures:
-    """Values of a member with standard deviations from the scatter of the blocks."""
-    extended, given = finding.extended, finding.problem.stiffness
-    cause = extended.members[index]
-    x = coefficients(extended, index).copy()
+def _parameters(told: JointFit, index: int, given: float) -> Figures:
+    """Values of a member with standard deviations from the scatter of the blocks; `given` is the spring [N m / rad]."""
+    cause = told.members[index]
+    x = coefficients(told, index).copy()
     if isinstance(cause, TimeSkew):
-        x = x + extended.delay
-    spread = _spread(extended, index)
-    stiffness = stiffness_of(extended.members, extended.x, given)
-    at = extended.of(MotionStiffness)
-    stiffness_std = 0.0 if at is None else stiffness**2 * float(extended.std[at][0])
+        x = x + told.delay
+    spread = _spread(told, index)
+    stiffness = stiffness_of(told.members, told.x, given)
+    at = told.of(MotionStiffness)
+    stiffness_std = 0.0 if at is None else stiffness**2 * float(told.std[at][0])
     found: Figures = {}
     now = cause.values(x, stiffness)
     for name, (value, unit) in now.items():

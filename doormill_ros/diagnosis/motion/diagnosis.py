@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -13,10 +14,12 @@ from doormill_ros.diagnosis.core.characterised import Characterised
 from doormill_ros.diagnosis.core.examination import Double, Examination, compared, examined
 from doormill_ros.diagnosis.core.judgement import Judgement, Question, judge_question
 from doormill_ros.diagnosis.core.verdict import MAIN_PART
+from doormill_ros.diagnosis.law.linear import LinearProblem
 from doormill_ros.diagnosis.motion.examination import JointExaminer, JointFinding
 from doormill_ros.diagnosis.motion.model import JointFit, model_of
 from doormill_ros.diagnosis.motion.patterns import unnamed_patterns
 from doormill_ros.diagnosis.motion.problem import JointProblem
+from doormill_ros.diagnosis.motion.remainder import beside_laws
 from doormill_ros.diagnosis.motion.search import JointSearch
 from doormill_ros.diagnosis.motion.skew import common_skew, own_skews
 from doormill_ros.measurements.motion_set import MotionSet
@@ -208,6 +211,18 @@ class MotionDiagnosis(Judgement[MotionCause, MotionFit]):
         """Held-out RMSE of the extended model less the delay that all encoders have in common [rad]."""
         fits = [one.problem.fit(one.extended.members, 0.0) for one in self.joints]
         return self.question.holdout_rmse(MotionFit(tuple(fits)))
+
+    @cached_property
+    def told(self) -> tuple[JointFit, ...]:
+        """The causes of each joint with the numbers that are told of them: those beside its laws, where it has any."""
+        fits = []
+        for one, laws in zip(self.joints, self.laws or (None,) * len(self.joints), strict=True):
+            if laws is None:
+                fits.append(one.extended)
+            else:
+                assert isinstance(laws.problem, LinearProblem)
+                fits.append(beside_laws(one.problem, one.extended, laws.problem, laws.fit))
+        return tuple(fits)
 
     @property
     def model(self) -> MotionModel:

@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-import numpy as np
-
 from doormill_ros.diagnosis.core.judgement import weighed
 from doormill_ros.diagnosis.law.characterise import remains
 from doormill_ros.diagnosis.law.remainder import Searched, searched
 from doormill_ros.diagnosis.motion.diagnosis import MotionDiagnosis
 from doormill_ros.diagnosis.motion.examination import JointFinding
 from doormill_ros.diagnosis.motion.model import model_of
-from doormill_ros.diagnosis.motion.needless import taken_back
+from doormill_ros.diagnosis.motion.needless import not_the_same, taken_back
 from doormill_ros.diagnosis.motion.remainder import Companies, remainder
 from doormill_ros.robot_model.motion.law.dictionary import dictionary
 from doormill_ros.robot_model.motion.model import MotionModel
@@ -46,23 +44,18 @@ def _searched(finding: JointFinding, companies: Companies, progress: Callable[[s
     extended = finding.extended
     rows = finding.problem.counted(extended.delay)
     problem, base = remainder(finding.problem, extended.members, extended.delay, companies, rows)
-    return searched(problem, base, dictionary(problem.case), progress)
+    terms = not_the_same(finding, problem, finding.named, dictionary(problem.case))
+    return searched(problem, base, terms, progress)
 
 
 def model_with_laws(diagnosis: MotionDiagnosis) -> MotionModel:
     """The established causes, fitted anew beside the laws of their joint, and these."""
     joints = []
-    for finding, found in zip(diagnosis.joints, diagnosis.laws, strict=True):
-        extended, problem, motion = finding.extended, finding.problem, finding.problem.motions[0]
-        if found is not None:
-            base, *_ = found.fit.members
-            none = np.zeros(0)
-            solution = found.weights(base)
-            beside = problem.unpacked(extended.members, extended.delay, solution, 0.0 * solution, none, none)
-            laws = [(term, found.weights(term)) for law in found.laws for term in law.terms]
-            joints.append(replace(model_of(beside, motion), laws=tuple(laws)))
-        else:
-            joints.append(model_of(extended, motion))
+    for finding, told, found in zip(diagnosis.joints, diagnosis.told, diagnosis.laws, strict=True):
+        terms = (
+            [] if found is None else [(term, found.weights(term)) for law in found.laws for term in law.terms]
+        )
+        joints.append(replace(model_of(told, finding.problem.motions[0]), laws=tuple(terms)))
     return MotionModel(diagnosis.sets[0].robot, tuple(joints))
 
 

@@ -6,7 +6,7 @@ in one place. Beside a remainder that no law explains nothing of that kind can b
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -15,11 +15,12 @@ from doormill_ros.diagnosis.core.beam import EQUAL
 from doormill_ros.diagnosis.core.fit import Fit
 from doormill_ros.diagnosis.core.ranking import ranks
 from doormill_ros.diagnosis.core.verdict import AT_NOISE
+from doormill_ros.diagnosis.law.linear import LinearProblem
 from doormill_ros.diagnosis.law.remainder import Searched, searched_once
 from doormill_ros.diagnosis.motion.examination import JointFinding
 from doormill_ros.diagnosis.motion.patterns import FOLLOWING
-from doormill_ros.diagnosis.motion.remainder import Companies, remainder
-from doormill_ros.diagnosis.motion.search import WORTH
+from doormill_ros.diagnosis.motion.remainder import Companies, beside_laws, remainder
+from doormill_ros.diagnosis.motion.search import CLEAR, WORTH
 from doormill_ros.robot_model.motion.causes.cause import MotionCause
 from doormill_ros.robot_model.motion.causes.joint_damping import JointDamping
 from doormill_ros.robot_model.motion.causes.joint_friction import MotionFriction
@@ -31,6 +32,7 @@ from doormill_ros.robot_model.motion.law.term import MotionTerm
 #: Why a name is taken back.
 OTHER_LAW = "what follows the same driver beside it says that its law is another"
 NEEDLESS = "a law without a name does as well without it"
+GONE = "beside a law without a name no such size is left of it"
 #: What a spring or a gap acts on in the words of laws, and a damper.
 _ACTS_ON = ("spring", "joint angle")
 #: What causes act on in the words of laws, as these begin: a friction that varies is a friction still.
@@ -66,7 +68,24 @@ def taken_back(
     if not behind:
         return []
     least = int(ranks(np.array(behind))[0])
-    return [(finding.named[least], NEEDLESS)] if behind[least] < EQUAL else []
+    if behind[least] < EQUAL:
+        return [(finding.named[least], NEEDLESS)]
+    gone = size_gone(finding, found)
+    return [] if gone is None else [(gone, GONE)]
+
+
+def size_gone(finding: JointFinding, found: Searched) -> MotionCause | None:
+    """The named cause of which least is left beside laws, if that is not clear of zero or what no such cause can be."""
+    if not (found.laws and finding.named):
+        return None
+    told = beside_laws(finding.problem, finding.extended, found.problem, found.best)
+    impossible = finding.problem.impossible(told)
+    strengths = [
+        -1.0 if any(cause is one for one in impossible) else finding.search.strength(told, cause)
+        for cause in finding.named
+    ]
+    least = int(ranks(np.array(strengths))[0])
+    return finding.named[least] if strengths[least] <= CLEAR else None
 
 
 def _same_law(term: MotionTerm, cause: MotionCause) -> bool:
@@ -95,17 +114,36 @@ def _behind(
     delay = finding.search.delay if isinstance(cause, TimeSkew) else extended.delay
     rows = finding.problem.counted(extended.delay)
     problem, base = remainder(finding.problem, rest, delay, companies, rows)
-    effect, offsets = _effect(finding, cause)[rows], finding.problem.design([], delay)[rows]
     terms = [
         term
-        for term in dictionary(problem.case)
+        for term in not_the_same(finding, problem, [cause], dictionary(problem.case))
         if not term.acts_on.startswith(_OWN.get(type(cause), "nothing"))
-        and _followed(effect, problem.effect(term)[:, 0], offsets) < _SAME
     ]
     problem = problem.coarser(float(found.problem.sigma[0] / problem.sigma[0]))
     progress(f"{cause!r} against laws alone")
     rival = searched_once(problem, base, terms, progress)
     return rival.total - found.total if _explains(finding, rival.best) else float("inf")
+
+
+def not_the_same(
+    finding: JointFinding, problem: LinearProblem, causes: Sequence[MotionCause], terms: Sequence[MotionTerm]
+) -> list[MotionTerm]:
+    """Terms that say of none of some named causes the same in other words: beside them neither would have a size.
+
+    Args:
+        finding: The joint.
+        problem: What is left to explain in it.
+        causes: Those of its named causes.
+        terms: What may join.
+    """
+    delay = finding.extended.delay
+    offsets = problem.of_rows(finding.problem.design([], delay))
+    effects = [problem.of_rows(_effect(finding, cause)) for cause in causes]
+    return [
+        term
+        for term in terms
+        if all(_followed(effect, problem.effect(term)[:, 0], offsets) < _SAME for effect in effects)
+    ]
 
 
 def _effect(finding: JointFinding, cause: MotionCause) -> FloatArray:

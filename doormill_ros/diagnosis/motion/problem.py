@@ -241,14 +241,20 @@ class JointProblem:
         stiffness = stiffness_of(found.members, found.x, self.stiffness)
         if strictly and not 1.0 / EXTREME < stiffness / self.stiffness < EXTREME:
             return False
+        return not self.impossible(found)
+
+    def impossible(self, found: JointFit) -> list[MotionCause]:
+        """Members that cannot have the coefficients that a model gives them."""
+        stiffness = stiffness_of(found.members, found.x, self.stiffness)
         seen = self.seen(found.delay)
         every = zip(found.members, found.x, found.own, strict=True)
-        return all(
-            cause.allowed(part if len(part) else np.concatenate(own), stiffness, seen)
-            # Bristles or teeth at the start of a recording lie somewhere between their two ends.
-            and (not len(part) or all(np.all(np.abs(one) <= _BEYOND * abs(part[0])) for one in own))
+        return [
+            cause
             for cause, part, own in every
-        )
+            if not cause.allowed(part if len(part) else np.concatenate(own), stiffness, seen)
+            # Bristles or teeth at the start of a recording lie somewhere between their two ends.
+            or (len(part) and any(np.any(np.abs(one) > _BEYOND * abs(part[0])) for one in own))
+        ]
 
     def cost(self, errors: FloatArray) -> float:
         """Sum of squares of the samples that count, of shape (n,)."""

@@ -7,11 +7,15 @@ from collections.abc import Sequence
 import numpy as np
 
 from doormill_ros.arrays import IntArray
+from doormill_ros.diagnosis.core.fit import Fit
 from doormill_ros.diagnosis.core.wording import RADIANS
 from doormill_ros.diagnosis.law.linear import Established, LinearProblem, established
+from doormill_ros.diagnosis.law.numbers import numbers_beside
+from doormill_ros.diagnosis.motion.model import JointFit
 from doormill_ros.diagnosis.motion.problem import JointProblem
 from doormill_ros.robot_model.motion.causes.cause import MotionCause
 from doormill_ros.robot_model.motion.law.ride import ride_of
+from doormill_ros.robot_model.motion.law.term import MotionTerm
 from doormill_ros.robot_model.motion.view import JointMotion
 
 #: All joints of each recording.
@@ -42,3 +46,19 @@ def remainder(
     base = established(columns, sigma, np.full(columns.shape[2], np.inf))
     target = problem.target(delay)[:, None]
     return LinearProblem(target, sigma, rides, problem.block, problem.floor, RADIANS, rows), base
+
+
+def beside_laws(
+    problem: JointProblem, extended: JointFit, left: LinearProblem, found: Fit[MotionTerm]
+) -> JointFit:
+    """The causes of a joint with the numbers that they have beside laws; what it leaves is not told, but empty.
+
+    Args:
+        problem: The joint.
+        extended: The causes as fitted alone.
+        left: What was left to explain.
+        found: The model with laws.
+    """
+    values, std = numbers_beside(left, found)
+    none = np.zeros(0)
+    return problem.unpacked(extended.members, extended.delay, values, std, none, none)

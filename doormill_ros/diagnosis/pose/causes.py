@@ -7,10 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.core.account import NamedCause
 from doormill_ros.diagnosis.core.wording import spoken
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
+from doormill_ros.diagnosis.pose.laws import CLEAR, numbers_told
 from doormill_ros.diagnosis.pose.model import distinct_share, rmse
+from doormill_ros.diagnosis.pose.problem import PoseProblem
 from doormill_ros.diagnosis.pose.selection import NOT_CARRIED, ONE_SERIES, Score
 from doormill_ros.measurements.pose_set import PoseSet, placement_owners
 from doormill_ros.robot_model.pose.causes.joint_backlash import PoseBacklash
@@ -20,8 +23,6 @@ from doormill_ros.robot_model.pose.causes.session_step import SessionStep
 
 #: Why a cause that helps on blocks left out is not one of the robot.
 WITHIN = (ONE_SERIES, NOT_CARRIED)
-#: Amplitudes of single orders, and turns by moments that nobody stated, are listed from this many standard deviations.
-LISTED = 2.0
 #: Part of a coefficient's effect that a placement cannot imitate, below which it is called not distinguishable.
 IMITATED = 0.02
 
@@ -34,13 +35,14 @@ def place_name(diagnosis: PoseDiagnosis, where: str) -> str:
 def causes_of(diagnosis: PoseDiagnosis) -> list[NamedCause]:
     """Established causes with parameters, and the gross errors."""
     found = []
+    told, std = numbers_told(diagnosis)
     for score, doubles in zip(diagnosis.established, diagnosis.examination.doubles, strict=True):
         found.append(
             NamedCause(
                 cause=score.cause.name,
                 where=place_name(diagnosis, score.cause.where),
                 words=spoken(score.cause),
-                parameters=parameters_of(diagnosis, score),
+                parameters=parameters_of(told, std, score),
                 without=score.rmse_without,
                 doubles=doubles,
                 more={
@@ -79,22 +81,27 @@ def sides_of_gaps(causes: Sequence[NamedCause]) -> list[str]:
     ]
 
 
-def parameters_of(diagnosis: PoseDiagnosis, score: Score) -> dict[str, dict[str, Any]]:
-    """Value, standard deviation and unit by name."""
-    layout = diagnosis.extended.problem.layout
+def parameters_of(told: PoseProblem, deviation: FloatArray, score: Score) -> dict[str, dict[str, Any]]:
+    """Value, standard deviation and unit by name.
+
+    Args:
+        told: With the numbers that are told.
+        deviation: Standard deviation of every coefficient, shape (m,).
+        score: Of the cause.
+    """
+    layout = told.layout
     index = layout.causes.index(score.cause)
-    value = diagnosis.extended.problem.x[layout.part(index)]
-    std = diagnosis.std[layout.part(index)]
+    value, std = told.x[layout.part(index)], deviation[layout.part(index)]
     coefficients = score.cause.coefficients
     named: dict[str, dict[str, Any]] = {
         c.name: {"value": float(v), "std": float(s), "unit": c.unit}
         for c, v, s in zip(coefficients, value, std, strict=True)
     }
     if isinstance(score.cause, SessionStep):
-        data = next(d for d in diagnosis.sets if score.cause.where == f"set {d.name}")
+        data = next(d for d in told.sets if score.cause.where == f"set {d.name}")
         at = int(np.searchsorted(data.row, score.cause.row))
-        series = next(i for i, d in enumerate(diagnosis.sets) if d is data)
-        R_tracker_base = diagnosis.extended.problem.placements[series].T_tracker_base[:3, :3]
+        series = next(i for i, d in enumerate(told.sets) if d is data)
+        R_tracker_base = told.placements[series].T_tracker_base[:3, :3]
         steps: dict[str, dict[str, Any]] = {}
         for name, axes in (("step", slice(0, 3)), ("turn", slice(3, 6))):
             steps[name] = {
@@ -116,7 +123,7 @@ def parameters_of(diagnosis: PoseDiagnosis, score: Score) -> dict[str, dict[str,
         return {"gap": {**gap, "value": abs(gap["value"]), "side": PoseBacklash.side(gap["value"])}}
     if isinstance(score.cause, JointSag) and score.cause.frames:
         # Most moments of a real arm are next to nothing.
-        return {name: one for name, one in named.items() if abs(one["value"]) > LISTED * one["std"]}
+        return {name: one for name, one in named.items() if abs(one["value"]) > CLEAR * one["std"]}
     if isinstance(score.cause, JointWaves):
         return _amplitudes(named, [c.name for c in coefficients], score.cause.orders)
     return named
@@ -133,7 +140,7 @@ def _amplitudes(
             c, s = named[f"{prefix}cos_{order}"], named[f"{prefix}sin_{order}"]
             size = float(np.hypot(c["value"], s["value"]))
             std = float(np.hypot(c["value"] * c["std"], s["value"] * s["std"]) / max(size, 1e-30))
-            if size > LISTED * std:
+            if size > CLEAR * std:
                 found[f"{prefix}order_{order}"] = {
                     "value": size,
                     "std": std,

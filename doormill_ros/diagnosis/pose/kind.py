@@ -23,7 +23,13 @@ from doormill_ros.diagnosis.pose.causes import (
 from doormill_ros.diagnosis.pose.certainty import certainty_section
 from doormill_ros.diagnosis.pose.check import check_set
 from doormill_ros.diagnosis.pose.coverage import coverage
-from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis, check_names, check_together, diagnose_poses
+from doormill_ros.diagnosis.pose.diagnosis import (
+    PoseDiagnosis,
+    check_names,
+    check_rows,
+    check_together,
+    diagnose_poses,
+)
 from doormill_ros.diagnosis.pose.evidence import (
     candidates_blocks,
     closing,
@@ -36,6 +42,7 @@ from doormill_ros.diagnosis.pose.next_poses import listed, plan_next, propose
 from doormill_ros.measurements.pose_set import PoseSet, placement_owners, read_pose_set
 from doormill_ros.pages.page import Block, PageSection, Paragraphs
 from doormill_ros.robot_model.pose.model import model_document
+from doormill_ros.units import m_to_um
 
 #: Position errors are three-dimensional lengths, far above a tenth of a micrometre.
 UNIT = Unit("m", "um", digits=0)
@@ -61,9 +68,10 @@ class Poses(Kind[PoseSet, PoseDiagnosis]):
         return [read_pose_set(folder)]
 
     def check_together(self, sets: Sequence[PoseSet], others: Sequence[PoseSet]) -> None:
-        """One robot, one nominal table, a name for each, and every placement that a set names."""
+        """One robot, one nominal table, a name and enough rows for each, and every placement that a set names."""
         check_together([*sets, *others])
         check_names(sets)
+        check_rows(sets)
         placement_owners(sets)
         placement_owners([*sets, *others])
 
@@ -203,6 +211,15 @@ def _remarks(diagnosis: PoseDiagnosis) -> list[str]:
         "Position errors are 3-D lengths; rows listed as gross errors count in no figure.",
         "Away from the joint angles listed under coverage the periodic errors fade and nothing is claimed.",
     ]
+    for data in diagnosis.sets:
+        told = {"position": UNIT.spoken(data.noise[0]), "rotation": f"{m_to_um(data.noise[1]):.0f} urad"}
+        shown = [name for name in data.assumed if name == "position" or data.oriented]
+        if shown:
+            assumed = " and ".join(f"{told[name]} for the {name}" for name in shown)
+            lines.append(
+                f"{data.name} does not state all its noise: {assumed} of standard deviation per axis was assumed, and "
+                "what counts as noise hangs on it. State `noise` in set.yaml."
+            )
     if not any(data.links for data in diagnosis.sets) and diagnosis.extended.problem.views[0].links:
         lines.append("The sets state no masses; gravity torques use the maker's published ones.")
     if not diagnosis.extended.problem.views[0].links:

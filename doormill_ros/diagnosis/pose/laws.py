@@ -16,12 +16,14 @@ from doormill_ros.diagnosis.core.ranking import ranks
 from doormill_ros.diagnosis.core.verdict import AT_NOISE, rmse
 from doormill_ros.diagnosis.law.characterise import remains
 from doormill_ros.diagnosis.law.linear import Established, LinearProblem, established
+from doormill_ros.diagnosis.law.numbers import numbers_beside
 from doormill_ros.diagnosis.law.remainder import searched
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
 from doormill_ros.diagnosis.pose.fit import BLOCKS
 from doormill_ros.diagnosis.pose.noise import common_noise, evening
 from doormill_ros.diagnosis.pose.problem import PoseProblem
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
+from doormill_ros.robot_model.pose.causes.joint_sag import JointSag
 from doormill_ros.robot_model.pose.chain import Placement, derivatives
 from doormill_ros.robot_model.pose.law.dictionary import dictionary
 from doormill_ros.robot_model.pose.law.term import PoseTerm, Sight
@@ -29,6 +31,9 @@ from doormill_ros.robot_model.pose.model import PoseModel
 
 #: Why a cause is not named that a law does without.
 NEEDLESS = "beside a law without a name nothing calls for it"
+GONE = "beside a law without a name no such size is left of it"
+#: Standard deviations from which on a number is told, and a cause of which none is has no size.
+CLEAR = 2.0
 #: Poses that are searched, at most.
 POSES = 700
 
@@ -51,20 +56,61 @@ def with_laws(diagnosis: PoseDiagnosis, progress: Callable[[str], None] = lambda
         return diagnosis
     found = _searched(diagnosis, progress)
     needless = [] if found is None else _needless(diagnosis, found)
-    if not needless:
-        return replace(diagnosis, laws=found)
-    progress(f"beside a law nothing calls for {', '.join(map(repr, needless))}")
+    if needless:
+        progress(f"beside a law nothing calls for {', '.join(map(repr, needless))}")
+        diagnosis = _less(diagnosis, needless, NEEDLESS)
+        found = _searched(diagnosis, progress)
+    diagnosis = replace(diagnosis, laws=found)
+    if found is None or not (gone := _gone(diagnosis)):
+        return diagnosis
+    progress(f"beside a law nothing is left of {', '.join(map(repr, gone))}")
+    return with_laws(_less(diagnosis, gone, GONE), progress)
+
+
+def _less(diagnosis: PoseDiagnosis, causes: Sequence[PoseCause], why: str) -> PoseDiagnosis:
+    """The same without some names, weighed anew and without laws."""
     question, examination = diagnosis.question, diagnosis.examination
-    rest = tuple(cause for cause in examination.named if cause not in needless)
     fewer = replace(
         examination,
-        extended=question.examiner.models.without(examination.extended, *needless),
-        named=rest,
-        refused=(*examination.refused, *((cause, NEEDLESS) for cause in needless)),
+        extended=question.examiner.models.without(examination.extended, *causes),
+        named=tuple(cause for cause in examination.named if cause not in causes),
+        refused=(*examination.refused, *((cause, why) for cause in causes)),
         doubles=(),
     )
-    diagnosis = PoseDiagnosis(**vars(weighed(question, fewer)), question=question)
-    return replace(diagnosis, laws=_searched(diagnosis, progress))
+    return PoseDiagnosis(**vars(weighed(question, fewer)), question=question)
+
+
+def _gone(diagnosis: PoseDiagnosis) -> list[PoseCause]:
+    """Named causes of which no number is clear of zero beside the laws, or that would have to push back."""
+    beside, std = numbers_told(diagnosis)
+    named = diagnosis.examination.named
+    parts = [(cause, beside.x[part], std[part]) for cause, part in diagnosis.extended.parts if cause in named]
+    return [
+        cause
+        for cause, x, own in parts
+        if not np.any(np.abs(x) > CLEAR * own)
+        or (isinstance(cause, JointSag) and not cause.frames and x[0] < 0.0)
+    ]
+
+
+def numbers_told(diagnosis: PoseDiagnosis) -> tuple[PoseProblem, FloatArray]:
+    """The extended fit with the numbers that are told of it, those beside the laws where there are any.
+
+    Returns:
+        The fit, and the standard deviation of every coefficient, shape (m,).
+    """
+    found, fit = diagnosis.laws, diagnosis.extended
+    if found is None:
+        return fit.problem, diagnosis.std
+    assert isinstance(found.problem, LinearProblem)
+    values, deviation = numbers_beside(found.problem, found.fit)
+    x = np.concatenate([fit.problem.x, np.zeros(fit.problem.size - fit.problem.layout.size)])
+    std = np.zeros(fit.problem.size)
+    used = _used(fit.problem, fit.ids(fit.members))
+    # The remainder is what the fit leaves: laws move its numbers.
+    x[used] += values
+    std[used] = deviation
+    return fit.problem.at(x), std[: fit.problem.layout.size]
 
 
 def _searched(diagnosis: PoseDiagnosis, progress: Callable[[str], None]) -> Characterised[PoseTerm] | None:
@@ -143,7 +189,7 @@ def model_with_laws(diagnosis: PoseDiagnosis) -> PoseModel:
     found, model = diagnosis.laws, diagnosis.model
     if found is None:
         return model
-    x = _beside(diagnosis, found).x[diagnosis.extended.ids(model.causes).astype(int)]
+    x = numbers_told(diagnosis)[0].x[diagnosis.extended.ids(model.causes).astype(int)]
     terms = [term for law in found.laws for term in law.terms if term.lasts]
     return replace(model, x=x, laws=tuple((term, found.weights(term)) for term in terms))
 
@@ -159,17 +205,7 @@ def _columns(problem: PoseProblem, series: int, step: int, D: FloatArray) -> Flo
 
 def placements_with_laws(diagnosis: PoseDiagnosis) -> list[Placement]:
     """Placement of every series, fitted anew beside the laws as well."""
-    found, problem = diagnosis.laws, diagnosis.extended.problem
-    return (problem if found is None else _beside(diagnosis, found)).placements
-
-
-def _beside(diagnosis: PoseDiagnosis, found: Characterised[PoseTerm]) -> PoseProblem:
-    """The extended fit with all its numbers as they are beside the laws."""
-    fit, problem = diagnosis.extended, diagnosis.extended.problem
-    x = np.concatenate([problem.x, np.zeros(problem.size - problem.layout.size)])
-    base, *_ = found.fit.members
-    x[_used(problem, fit.ids(fit.members))] += found.weights(base)
-    return problem.at(x)
+    return numbers_told(diagnosis)[0].placements
 
 
 def _used(problem: PoseProblem, ids: IntArray) -> IntArray:

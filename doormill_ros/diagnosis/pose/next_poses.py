@@ -11,6 +11,7 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.core.ranking import first_largest
 from doormill_ros.diagnosis.pose.coverage import BINS, covered
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
+from doormill_ros.diagnosis.pose.laws import numbers_told
 from doormill_ros.robot_model.pose.chain import derivatives, frames
 from doormill_ros.robot_model.pose.layout import design, frame_twists
 from doormill_ros.statistics import uniform
@@ -162,7 +163,8 @@ def plan_next(diagnosis: PoseDiagnosis, poses: NextPoses | None) -> str:
 def _weakest(diagnosis: PoseDiagnosis) -> str:
     """The established cause whose main coefficient is known least for its size."""
     found = []
+    told, deviation = numbers_told(diagnosis)
     for cause, part in diagnosis.extended.parts:
-        x, std = diagnosis.extended.problem.x[part], diagnosis.std[part]
+        x, std = told.x[part], deviation[part]
         found.append((float(np.max(np.abs(x) / np.maximum(std, 1e-30))), repr(cause).replace("_", " ")))
     return min(found)[1] if found else ""

@@ -9,6 +9,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
+from doormill_ros.diagnosis.pose.laws import numbers_told
 from doormill_ros.pages.charts import BLUE, GREEN, GREY, HALF, RED, WIDE, BarRow, Curve, bars, scatter
 from doormill_ros.robot_model.pose.causes.joint_periodic_error import JointPeriodicError
 from doormill_ros.robot_model.pose.chain import derivatives, joint_turn
@@ -99,9 +100,10 @@ def joint_curves(diagnosis: PoseDiagnosis) -> list[str]:
 def spectra(diagnosis: PoseDiagnosis) -> list[str]:
     """Amplitude of every order of the periodic errors."""
     charts = []
+    told, _ = numbers_told(diagnosis)
     for cause, part in diagnosis.extended.parts:
         if isinstance(cause, JointPeriodicError):
-            pairs = diagnosis.extended.problem.x[part].reshape(-1, 2)
+            pairs = told.x[part].reshape(-1, 2)
             x, y = np.array(cause.orders, dtype=float), m_to_um(np.hypot(pairs[:, 0], pairs[:, 1]))
             charts.append(scatter(cause.where, "order", "amplitude [urad]", [Curve("", BLUE, x, y)]))
     return charts

@@ -54,7 +54,7 @@ def remainder(request):
         noise[::15] *= 60.0
     target = sigma * (noise + 0.7 * shapes[0][:, :, 0] + 3.0 * columns[:, :, 5])
     problem = LinearProblem(target, sigma, None, np.arange(ROWS) // 6, 1e-4)
-    base = Established(sigma[:, None] * columns, np.eye(ESTABLISHED))
+    base = Established(sigma[:, None] * columns, np.eye(ESTABLISHED), np.zeros(ESTABLISHED))
     return problem, base, [Drawn(f"place {i}", sigma[:, None] * one) for i, one in enumerate(shapes)]
 
 

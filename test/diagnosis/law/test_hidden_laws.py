@@ -2,12 +2,15 @@
 
 import json
 
+import numpy as np
 import pytest
 import yaml
 
 from doormill_ros.diagnosis.core.diagnosis import diagnose_problem
 from doormill_ros.diagnosis.loading.laws import with_laws
 from doormill_ros.diagnosis.loading.problem import LoadingProblem
+from doormill_ros.measurements.join_sets import join_sets
+from doormill_ros.measurements.measurement_set import read_measurement_set
 from doormill_ros.robot_model.extended_model import load_compliance_model
 from doormill_ros.tools.diagnose import main
 from support.law_worlds.world import draw
@@ -86,3 +89,19 @@ def test_where_nothing_remains_nothing_is_said(make_set, effects, monkeypatch):
     assert diagnosis.verdict == ("explained" if effects else "consistent")
     monkeypatch.setattr("doormill_ros.diagnosis.loading.laws.LawSearch", None)
     assert with_laws(diagnosis).characterised is None
+
+
+def test_a_cause_beside_a_law_is_told_with_its_numbers_beside_it(tmp_path):
+    """A spring of another stiffness, and another joint's that gives way to one side only."""
+    world = draw(16)
+    world.write(tmp_path / "set")
+    before = diagnose_problem(LoadingProblem(join_sets([read_measurement_set(tmp_path / "set")])))
+    after = with_laws(before)
+    (finding,) = after.findings
+    assert {"cause": finding.cause.name, "where": finding.cause.where}.items() <= world.truth["named"].items()
+    assert np.array_equal(finding.values, after.characterised.weights(finding.cause))
+    assert not np.array_equal(finding.values, before.findings[0].values)
+    true = world.truth["named"]["parameters"]["stiffness"]
+    assert abs(finding.values[0] - true) < 4.0 * finding.std[0] < 0.02 * true
+    # What would do in its place is said by the search over names.
+    assert [other for other, _ in finding.rivals] == [other for other, _ in before.findings[0].rivals]

@@ -46,6 +46,13 @@ def test_the_model_holds_what_is_named_alone(found, series, tmp_path):
     model = load_pose_model(tmp_path)
     assert [cause.key for cause in model.causes] == [("link_geometry", "link 2")]
     document = json.loads((tmp_path / "diagnosis.json").read_text(encoding="utf-8"))
+    # One model, one set of numbers: what is told of the link is what the file says, beside the law.
+    (cause,) = document["causes"]
+    parameters = cause["parameters"]
+    names = [c.name for c in model.causes[0].coefficients]
+    assert [parameters[name]["value"] for name in names] == pytest.approx(list(model.x), rel=1e-9, abs=1e-15)
+    assert abs(parameters["a"]["value"] - LONGER[1]) < 4.0 * parameters["a"]["std"]
+    assert parameters["a"]["std"] < 0.02 * LONGER[1]
     (check,) = document["checks"]
     assert check["characterised"]["rmse"] < 1.1 * document["noise_floor"]
     # Why a cause is not named is told with its gain.
