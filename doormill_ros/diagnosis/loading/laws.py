@@ -41,7 +41,9 @@ def with_laws(diagnosis: LoadingDiagnosis, progress: Progress = lambda line: Non
         return told
     # One model, one set of numbers: those of the fit that holds the laws, too.
     structure = excess_probability(found.fit, problem.components) < STRUCTURE
-    return replace(told, findings=make_findings(diagnosis.search, diagnosis.examination, structure, found.fit))
+    return replace(
+        told, findings=make_findings(diagnosis.search, diagnosis.examination, structure, found.fit)
+    )
 
 
 def sized_laws(diagnosis: LoadingDiagnosis) -> list[SizedCause]:
