@@ -59,28 +59,37 @@ def _at_next_door(diagnosis: DoorDiagnosis, finding: Finding[InTime]) -> FloatAr
 def measured_force(diagnosis: DoorDiagnosis) -> MeasuredForce | None:
     """How well the doors tell the process force; None where they do not.
 
-    They do not where something is left that no name explains, where something else would do as well as a force, or a
-    force as well as what is named. Size and direction about the tool go together: of one that is not named, the spread
-    is what a fit leaves to it and what it finds. Doors that come out as assumed have measured the force, too.
+    They do not where something is left that no name explains, or where something else would do as well as a force that
+    is named. Size and direction about the tool go together: of one that is not named, the spread is what a fit leaves
+    to it and what it finds, and what it would have to be to do as well as something that is named. Doors that come out
+    as assumed have measured the force, too.
     """
     if diagnosis.verdict == UNEXPLAINED:
         return None
     problem, best = diagnosis.problem, diagnosis.examination.best
     forces = (ForceScale.name, ForceTurn.name)
     named = {finding.cause.name: finding for finding in diagnosis.findings if finding.cause.where == TOOL}
+    instead = dict.fromkeys(forces, 0.0)
     for finding in diagnosis.findings:
-        either = finding.cause, *finding.confusable
-        if finding.confusable and any(cause.name in forces for cause in either):
+        if finding.confusable and finding.cause.name in forces:
             return None
+        for equal in finding.equals:
+            if equal.cause.name not in forces:
+                continue
+            if equal.model is None:
+                return None
+            size = float(np.max(np.abs(equal.model.theta[equal.model.part(equal.cause)])))
+            instead[equal.cause.name] = max(instead[equal.cause.name], size)
     spreads = []
     for effect in (ForceScale(TOOL), ForceTurn(TOOL)):
         if effect.name in named:
-            spreads.append(float(named[effect.name].std[0]))
+            spreads.append(float(np.hypot(named[effect.name].std[0], instead[effect.name])))
             continue
         beside = InTime(effect)
         found = fit(problem, [*best.members, beside], [np.append(best.theta, 0.0)])
         noise = max(1.0, float(np.mean(best.prediction.cost[best.weights > 0.0])) / problem.components)
-        spreads.append(float(np.sqrt(noise * found.covariance[-1, -1] + found.theta[-1] ** 2)))
+        variance = noise * found.covariance[-1, -1] + found.theta[-1] ** 2
+        spreads.append(float(np.sqrt(variance + instead[effect.name] ** 2)))
     loaded = np.linalg.norm(problem.case.load.force, axis=1) > 0.0
     kinds = tuple(str(kind) for kind in np.unique(problem.points.kind[loaded]))
     return MeasuredForce(kinds, *spreads)

@@ -41,3 +41,14 @@ def test_a_force_is_known_to_what_its_measurement_leaves(loop):
     assert abs(found.get("process_force_direction", 0.0) - world.get("angle", 0.0)) < 3.0 * force.angle_std
     assert 0.0 < force.factor_std < 0.03
     assert 0.0 < force.angle_std < 0.03
+
+
+def test_a_force_that_would_do_as_well_as_a_bending_mill_is_corrected_with_its_doubt(tmp_path):
+    shift = taught(tmp_path, {"change": [{"from_door": 4, "tool": {"stiffness": 6e6}}]})
+    (named,) = shift.diagnosis.findings
+    assert named.cause.name == "tool_bending"
+    (force,) = (equal for equal in named.equals if equal.cause.name == "process_force")
+    instead = abs(float(force.model.theta[force.model.part(force.cause)][0]))
+    assert 0.05 < instead <= measured_force(shift.diagnosis).factor_std < 1.1 * instead
+    before, after = (milled(load_setup(model=of), shift.world, *UNSEEN[0]) for of in ("", str(shift.model)))
+    assert after[0] < 0.5 * before[0]
