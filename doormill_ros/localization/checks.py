@@ -265,9 +265,7 @@ def check_range(offset: DoorOffset, limits: PlacementLimits, sure: bool = True) 
         abs(offset.rotation) - limits.rotation > _ROTATION_MARGIN,
     )
     if any(over):
-        found = (
-            "the door stands" if sure else "no corner shows within the limits, but one that seems to stand"
-        )
+        found = "the door stands" if sure else "the outermost corner that shows seems to stand"
         act = (
             "place it again"
             if sure

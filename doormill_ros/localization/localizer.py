@@ -133,7 +133,7 @@ def _rough_pose(picture: ByteArray, view: FaceView, layout: CellLayout) -> Float
         pose = search(picture, view, limit, rotation)
         if larger_beyond(picture, view, pose):
             further = search(picture, view, _WIDE * limit, _WIDE * rotation)
-            checks.check_range(DoorOffset(*(float(v) for v in further)), layout.limits)
+            checks.check_range(DoorOffset(*(float(v) for v in further)), layout.limits, sure=False)
         return pose
     except (NoEdge, WrongEdge) as reason:
         checks.check_exposure(picture, strict=True)
