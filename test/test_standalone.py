@@ -29,6 +29,7 @@ FILES = sorted(
 MEANT = {
     "docs/inspection.md": ["path .."],  # of a bag beside the inspection's folder, as the format says
     "doormill_ros/recipes/store/engine.py": [
+        "Path(str(parsed.database)).expanduser()",
         "Path(url.database).expanduser()",
         "Path(text).expanduser()",
     ],
