@@ -30,19 +30,26 @@ from doormill_ros.report.figures import (
 from doormill_ros.report.run_record import RunRecord, read_run
 from doormill_ros.robot.description import load_robot
 from doormill_ros.toolpath.drawing import draw_program, draw_ways
+from doormill_ros.toolpath.program import AT_POINTS, MillingProgram
 from doormill_ros.units import m_to_mm, rad_to_deg, s_to_ms
 
 TOUCHED = "touched what it must not"
 TARGET_LINES = 400  # of the RAPID file that the page shows
 
 
-def _expected(targets: Any) -> str:
+def _expected(program: MillingProgram) -> str:
     """Expected error of each feature's walls, as springs and forces are known."""
     by_feature: dict[str, float] = {}
-    for motion in targets.motions:
+    start = None
+    for motion in program.motions:
+        if motion.kind in AT_POINTS:
+            continue
         if motion.feature and motion.cutting:
-            error = getattr(targets.targets[motion.target], "expected_error", 0.0)
-            by_feature[motion.feature] = max(by_feature.get(motion.feature, 0.0), error)
+            # A wall is finished from where the motion begins.
+            passed = [i for i in (start, motion.via, motion.target) if i is not None]
+            errors = [program.targets[i].expected_error for i in passed]
+            by_feature[motion.feature] = max(by_feature.get(motion.feature, 0.0), *errors)
+        start = motion.target
     if not any(by_feature.values()):
         return "not told: the run is older than this figure"
     return ", ".join(f"{name} {m_to_mm(error):.3f} mm" for name, error in by_feature.items())
@@ -80,7 +87,7 @@ def _facts(record: RunRecord) -> dict[str, str]:
             f"{len(targets.targets)} targets, {len(targets.motions)} motions, {targets.cycle_time:.1f} s, "
             f"largest correction {m_to_mm(targets.largest_correction):.3f} mm by model {targets.robot_model}"
         )
-        facts["expected error"] = _expected(targets)
+        facts["expected error"] = _expected(program_of(targets))
         if record.shared:
             facts["robots"] = "two; path and handshake are those of the first"
         elif recipe is not None:

@@ -302,3 +302,11 @@ def test_a_door_that_nobody_measured_is_said_to_be_so() -> None:
     record = read_run(BAGS / "thesis_190_0deg")
     del record.latest["simulation/milled_door"]
     assert "Door thesis_190_0deg: milled, not measured" in render_report(record)
+
+
+@pytest.mark.parametrize("scenario", GOOD)
+def test_the_largest_expected_error_is_that_of_a_feature(scenario: str) -> None:
+    targets = read_run(BAGS / scenario).get("path/targets")
+    (told,) = re.findall(r"expected error</th><td>(.*?)</td>", render_report(read_run(BAGS / scenario)))
+    errors = [float(value) for value in re.findall(r"([\d.]+) mm", told)]
+    assert max(errors) == pytest.approx(1e3 * targets.expected_error, abs=5.1e-4)
