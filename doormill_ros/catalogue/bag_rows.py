@@ -13,7 +13,7 @@ from doormill_ros.config import read_document
 from doormill_ros.recording.bag_folders import content_of_bag
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.recording.errors import UnreadableBagError
-from doormill_ros.recording.metadata import information_of
+from doormill_ros.recording.information import information_of
 from doormill_ros.units import s_to_ns
 
 DESCRIPTION = "inspection.yaml"

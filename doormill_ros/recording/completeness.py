@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
-from doormill_ros.config import read_document
 from doormill_ros.recording.bag_reader import bag_files
-from doormill_ros.recording.errors import IncompleteBagError, UnreadableBagError
+from doormill_ros.recording.errors import IncompleteBagError
+from doormill_ros.recording.information import information_of
 from doormill_ros.recording.mcap_index import messages_held
-from doormill_ros.recording.metadata import INFORMATION, METADATA
 
 
 def check_whole(bag: Path) -> None:
@@ -26,7 +24,7 @@ def check_whole(bag: Path) -> None:
         OSError: A file cannot be read.
     """
     files = bag_files(bag) if bag.is_dir() else []
-    count = _information(bag).get("message_count") if files else 0
+    count = information_of(bag).get("message_count") if files else 0
     listed = count if isinstance(count, int) else 0
     held = sum(messages_held(path) for path in files)
     if held < listed:
@@ -37,17 +35,3 @@ def check_whole(bag: Path) -> None:
             held=held,
             listed=listed,
         )
-
-
-def _information(folder: Path) -> dict[str, Any]:
-    """What metadata.yaml says of a bag, by whomever it was written; nothing where it is missing.
-
-    Raises:
-        UnreadableBagError: It cannot be read.
-    """
-    path = folder / METADATA
-    if not path.is_file():
-        return {}
-    document = read_document(path, UnreadableBagError, "take another copy of the bag")
-    information = document.get(INFORMATION) if isinstance(document, dict) else None
-    return information if isinstance(information, dict) else {}
