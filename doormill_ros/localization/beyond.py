@@ -8,7 +8,7 @@ from doormill_ros.arrays import ByteArray, FloatArray
 from doormill_ros.localization.edge_line import EdgeLine
 from doormill_ros.localization.shade import Surfaces
 from doormill_ros.localization.view import EDGES, HINGE, FaceView
-from doormill_ros.statistics import row_medians
+from doormill_ros.statistics import row_medians, share
 
 _PITCH = 0.4e-3  # between parallels [m]
 _WING = 3  # parallels averaged on each side of a step
@@ -45,9 +45,9 @@ def larger_beyond(picture: ByteArray, view: FaceView, pose: FloatArray) -> bool:
         steps = means[:-_WING] - means[_WING:]
         sizes = row_medians(steps)
         at = first + int(np.argmax(np.abs(sizes[first:])))
-        own = max(abs(float(sizes[k])) for k in (edge_at - 1, edge_at, edge_at + 1))
+        own = float(np.abs(sizes[edge_at - 1 : edge_at + 2]).max())
         size = float(sizes[at])
         there = np.sign(size) * steps[at] > 0.5 * abs(size)
-        if abs(size) > max(own, _FAINTEST) and there.mean() >= _STEADY:
+        if abs(size) > max(own, _FAINTEST) and share(there) >= _STEADY:
             return True
     return False

@@ -80,7 +80,7 @@ def localize(
     check_sharpness(blurs, view, fit, drawn, settings)
     if all(trace.plain for trace in traces.values()):
         check_crossing(picture, view, fit.pose, min(blurs.values()))
-    offset = DoorOffset(*(float(v) for v in fit.pose))
+    offset = _offset_of(fit.pose)
     checks.check_range(offset, layout.limits)
     check_straight({edge: trace.line for edge, trace in traces.items()}, drawn, settings)
     # A better picture cannot help against a wrong thickness or mounting: only the picture's own part is judged.
@@ -133,7 +133,7 @@ def _rough_pose(picture: ByteArray, view: FaceView, layout: CellLayout) -> Float
         pose = search(picture, view, limit, rotation)
         if larger_beyond(picture, view, pose):
             further = search(picture, view, _WIDE * limit, _WIDE * rotation)
-            checks.check_range(DoorOffset(*(float(v) for v in further)), layout.limits, sure=False)
+            checks.check_range(_offset_of(further), layout.limits, sure=False)
         return pose
     except (NoEdge, WrongEdge) as reason:
         checks.check_exposure(picture, strict=True)
@@ -141,8 +141,13 @@ def _rough_pose(picture: ByteArray, view: FaceView, layout: CellLayout) -> Float
             pose = search(picture, view, _WIDE * limit, _WIDE * rotation, broken=False)
         except LocalizationError:
             raise reason from None
-        checks.check_range(DoorOffset(*(float(v) for v in pose)), layout.limits, sure=False)
+        checks.check_range(_offset_of(pose), layout.limits, sure=False)
         raise
+
+
+def _offset_of(pose: FloatArray) -> DoorOffset:
+    """A pose, shape (3,), as what the door is off."""
+    return DoorOffset(*(float(v) for v in pose))
 
 
 def _parts(
