@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated, Any
 
 from fastapi import Request
@@ -31,9 +32,26 @@ Printable = Annotated[str, BeforeValidator(_printable)]
 
 
 async def no_order(request: Request, error: Exception) -> JSONResponse:
-    """Answer 422 to what is no order, without what was sent: that may be nothing that can be answered."""
+    """Answer 422 to what is no order, without what was sent: that may be nothing that can be answered.
+
+    `detail` is one sentence; `fields` names the fields it is about, unless it says all by itself.
+    """
     found = error.errors() if isinstance(error, RequestValidationError) else []
     for one in found:
         if one["type"] == _NOT_PRINTABLE:
             return JSONResponse({"detail": one["msg"]}, 422)
-    return JSONResponse({"detail": [{key: one[key] for key in ("type", "loc", "msg")} for one in found]}, 422)
+    wrong = {_field(one["loc"]): one["msg"] for one in found}
+    each = "; ".join(f"{field}: {words[:1].lower()}{words[1:]}" for field, words in wrong.items())
+    return JSONResponse(
+        {
+            "detail": f"what was sent cannot be used ({each}); put it right and send it again",
+            "fields": [*wrong],
+        },
+        422,
+    )
+
+
+def _field(where: Sequence[str | int]) -> str:
+    """The name of a field; the part of the request where there is none (no body, no JSON)."""
+    named = [part for part in where[1:] if isinstance(part, str) and part.isprintable()]
+    return ".".join(named)[:_SHOWN] or f"the {where[0]}"

@@ -119,6 +119,8 @@ function refusedOrder(code, forModel) {
 async function answerTo(response, done, wrong, forModel) {
   const answer = await response.json();
   const own = answer.message || (typeof answer.detail === "string" ? answer.detail : "");
+  // What is missing or too long the page says itself; the cell's own words are for other programs.
+  if (answer.fields) return [text(wrong)];
   if (response.status === 422) return own && language() === ENGLISH ? [own] : [text(wrong), own];
   if (language() === ENGLISH) return [own];
   if (response.ok) return [done];

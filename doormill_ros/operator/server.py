@@ -60,6 +60,7 @@ _FILES = {
     "/reports.js": ("reports.js", "text/javascript"),
     "/icon.svg": ("icon.svg", "image/svg+xml"),
 }
+READ = ["GET", "HEAD"]
 
 
 class _Headers:
@@ -139,7 +140,8 @@ async def _unforeseen(request: Request, error: Exception) -> Response:
 def _serve_file(app: FastAPI, path: str, name: str, media_type: str) -> None:
     content = (files("doormill_ros.operator") / name).read_bytes()
 
-    @app.get(path)
+    # HEAD too: what watches over pages asks so whether they are there.
+    @app.api_route(path, methods=READ)
     async def file() -> Response:
         return Response(content, media_type=media_type)
 
@@ -148,7 +150,7 @@ def _serve_view(app: FastAPI, store: ViewStore, control: bool) -> None:
     def document() -> str:
         return json.dumps({**store.view.document(), "control": control})
 
-    @app.get("/state")
+    @app.api_route("/state", methods=READ)
     async def state() -> Response:
         return Response(document(), media_type="application/json")
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import socket
 from functools import partial
 from typing import Any
@@ -149,11 +150,31 @@ def test_with_the_token_orders_are_carried_out(controlled: Any) -> None:
     assert controlled.control.orders == ["mill oak", "cancel"]
 
 
-@pytest.mark.parametrize("body", [{}, {"door_id": ""}, {"door_id": "x" * 101}, {"door_id": 5}, []])
-def test_a_senseless_order_is_refused(controlled: Any, body: object) -> None:
+@pytest.mark.parametrize(
+    ("body", "field"),
+    [
+        ({}, "door_id"),
+        ({"door_id": ""}, "door_id"),
+        ({"door_id": "x" * 101}, "door_id"),
+        ({"door_id": 5}, "door_id"),
+        ([], "the body"),
+    ],
+)
+def test_a_senseless_order_is_refused_in_one_sentence(controlled: Any, body: object, field: str) -> None:
     answer = post(controlled.url + "control/mill", json=body, headers=bearer(controlled.token))
     assert answer.status_code == 422
+    assert answer.json()["fields"] == [field]
+    sentence = answer.json()["detail"]
+    assert re.fullmatch(rf"what was sent cannot be used \({field}: .{{5,80}}\); put it right .*", sentence)
+    assert "xxx" not in sentence
     assert controlled.control.orders == []
+
+
+def test_whether_the_page_is_there_can_be_asked_without_reading_it(either: Any) -> None:
+    for path in ("", "page.js", "state"):
+        whole, head = get(either.url + path), httpx.head(either.url + path, timeout=LIMIT)
+        assert (head.status_code, head.content) == (200, b"")
+        assert head.headers["content-type"] == whole.headers["content-type"]
 
 
 def test_what_the_cell_refuses_is_answered_with_the_reason(controlled: Any) -> None:
