@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.measurements.set_document import SetDocument
+from doormill_ros.measurements.si_units import DISPLACEMENT, JOINT_ANGLE, LENGTH, check_cells, check_values
 from doormill_ros.measurements.trial_table import TrialTable
 from doormill_ros.measurements.trials import Noise, Reflector, Trials
 from doormill_ros.robot.description import load_robot
@@ -74,6 +75,8 @@ def read_measurement_set(folder: str | Path) -> MeasurementSet:
     if noise.displacement == 0.0:
         raise document.fail(("noise", "displacement"), "is 0, allowed is a positive number")
     reflectors = _reflectors(document)
+    load_point = document.vector(3, "load_point")
+    check_values(document, ("load_point",), load_point, LENGTH)
     return MeasurementSet(
         path=folder,
         robot=robot,
@@ -81,7 +84,7 @@ def read_measurement_set(folder: str | Path) -> MeasurementSet:
         joint_stiffness=stiffness,
         noise=noise,
         wrench_frame_rotation=document.number("wrench_frame_rotation"),
-        load_point=document.vector(3, "load_point"),
+        load_point=load_point,
         reflectors=reflectors,
         **_trials(TrialTable(folder / "trials.csv", COLUMNS), reflectors),
     )
@@ -103,7 +106,9 @@ def _reflectors(document: SetDocument) -> dict[str, Reflector]:
         link = document.get(*keys, "link")
         if isinstance(link, bool) or not isinstance(link, int) or not 0 <= link <= 6:
             raise document.fail((*keys, "link"), f"is {link!r}, allowed is 0 (base) to 6 (flange)")
-        reflectors[name] = Reflector(link, document.vector(3, *keys, "position"))
+        position = document.vector(3, *keys, "position")
+        check_values(document, (*keys, "position"), position, LENGTH)
+        reflectors[name] = Reflector(link, position)
     return reflectors
 
 
@@ -124,14 +129,17 @@ def _trials(table: TrialTable, reflectors: dict[str, Reflector]) -> dict[str, An
             raise table.fail(
                 row, "reflector", f"{name!r} is not described in set.yaml, known: {', '.join(reflectors)}"
             )
+    q, displacement = table.block(JOINT_COLUMNS), table.block(DISPLACEMENT_COLUMNS)
+    check_cells(table, JOINT_COLUMNS, q, JOINT_ANGLE)
+    check_cells(table, DISPLACEMENT_COLUMNS, displacement, DISPLACEMENT, middle=True)
     return {
         "trial": trial,
         "time": table.numbers("t"),
         "dt": dt,
         "temperature": table.numbers("temperature", may_be_empty=True),
-        "q": table.block(JOINT_COLUMNS),
+        "q": q,
         "direction": direction,
         "wrench": table.block(WRENCH_COLUMNS),
         "reflector": np.array(names),
-        "displacement": table.block(DISPLACEMENT_COLUMNS),
+        "displacement": displacement,
     }

@@ -11,6 +11,7 @@ from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.measurements.errors import SetMixError
 from doormill_ros.measurements.sample_times import even_times
 from doormill_ros.measurements.set_document import SetDocument
+from doormill_ros.measurements.si_units import JOINT_ANGLE, check_cells
 from doormill_ros.measurements.trial_table import TrialTable
 from doormill_ros.robot_model.motion.view import JointMotion
 
@@ -62,7 +63,7 @@ def read_motion_set(folder: Path) -> MotionSet:
     Raises:
         DataFileError: A file is missing or is no text.
         SetDescriptionError: set.yaml lacks a key or holds a value not allowed.
-        TrialTableError: samples.csv lacks a column or holds what is no number.
+        TrialTableError: samples.csv lacks a column or holds what is no number or no radians.
         MotionTableError: Its times are uneven or do not fit the rate, or it is too short.
     """
     document = SetDocument(folder / "set.yaml")
@@ -81,6 +82,10 @@ def read_motion_set(folder: Path) -> MotionSet:
     table = TrialTable(folder / "samples.csv", ["t", *own, *commanded])
     time = even_times(table, table.numbers("t"), rate)
     values = {name: table.numbers(name) for name in own}
+    commanded_angles = table.block(commanded)
+    angles = [name for name in own if not name.startswith("tau")]
+    check_cells(table, angles, np.column_stack([values[name] for name in angles]), JOINT_ANGLE)
+    check_cells(table, commanded, commanded_angles, JOINT_ANGLE)
     for array in (time, *values.values()):
         array.setflags(write=False)
     return MotionSet(
@@ -102,7 +107,7 @@ def read_motion_set(folder: Path) -> MotionSet:
             for i, joint in enumerate(joints)
         ),
         line=np.array(table.lines),
-        commanded=table.block(commanded),
+        commanded=commanded_angles,
         motor_inertia=inertia,
         noise=_noise(document),
     )

@@ -15,6 +15,7 @@ from doormill_ros.arrays import BoolArray, FloatArray, IntArray
 from doormill_ros.errors import DataSetError
 from doormill_ros.measurements.errors import PoseTableError
 from doormill_ros.measurements.set_document import SetDocument
+from doormill_ros.measurements.si_units import DISTANCE, JOINT_ANGLE, LENGTH, TWIST, check_cells, check_values
 from doormill_ros.measurements.trial_table import TrialTable
 from doormill_ros.robot_model.pose.link_masses import LinkMass, published_masses
 from doormill_ros.robot_model.pose.view import SetView
@@ -134,6 +135,8 @@ def read_pose_set(folder: Path) -> PoseSet:
         "position": table.block(POSITION_COLUMNS),
         "placement": flag == 1,
     }
+    check_cells(table, joints, arrays["q"], JOINT_ANGLE)
+    check_cells(table, POSITION_COLUMNS, arrays["position"], DISTANCE)
     for array in arrays.values():
         array.setflags(write=False)
     if rotation is not None:
@@ -231,6 +234,8 @@ def _dh(document: SetDocument) -> FloatArray:
         raise document.fail(
             ("model", "dh"), "is no table of 6 or 7 rows [theta_offset, d, a, alpha] of finite numbers"
         )
+    for columns, what in (([0, 3], TWIST), ([1, 2], LENGTH)):
+        check_values(document, ("model", "dh"), dh[:, columns], what)
     dh.setflags(write=False)
     return dh
 
@@ -252,6 +257,7 @@ def _links(document: SetDocument, joints: int) -> tuple[LinkMass, ...]:
         good = False
     if not good:
         raise document.fail(("model", "links"), f"needs {joints} entries {{mass: kg, com: [x, y, z] m}}")
+    check_values(document, ("model", "links"), [link.com for link in found], LENGTH)
     return found
 
 

@@ -18,13 +18,12 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.errors import DataSetError
 from doormill_ros.measurements.errors import RawFileError
+from doormill_ros.measurements.si_units import DISTANCE
 
 TRACKER_COLUMNS = ("t", "x", "y", "z")
 WRENCH_COLUMNS = ("fx", "fy", "fz", "mx", "my", "mz")
 _ALIASES = {"time": "t", "tx": "mx", "ty": "my", "tz": "mz"}
 _A16_TIME_COLUMN = 11
-#: No laser tracker sees a reflector farther away than this [m]; millimetres do look like it.
-_FARTHEST = 200.0
 #: More than any force sensor of this class reads [N], [N m]; catches millivolts and counts.
 _LARGEST_READING = 1e5
 
@@ -60,8 +59,10 @@ def read_tracker_file(path: str | Path) -> Recording:
             raise _error(path, table.lines[0], where, problem)
         names = {name: i for i, name in enumerate(TRACKER_COLUMNS)}
     position = table.numbers[:, [names[c] for c in "xyz"]]
-    problem = f"a tracker writes metres and sees no farther than {_FARTHEST:.0f} m; are these millimetres?"
-    _limit(path, table, position, [names[c] for c in "xyz"], _FARTHEST, problem)
+    problem = (
+        f"a tracker writes metres and sees no farther than {DISTANCE.largest:.0f} m; are these millimetres?"
+    )
+    _limit(path, table, position, [names[c] for c in "xyz"], DISTANCE.largest, problem)
     return Recording(path, _time(path, table, names["t"]), position)
 
 
