@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
@@ -153,16 +155,22 @@ class Border:
         deviation: Standard deviation of that [px].
         spread: Of the edge, a rim taken for what it is.
         room: To another step beside it that has a side of its own [px]; infinite where there is none.
+        inner: Whether it is the inner border of a rim, which then lies behind the face.
     """
 
     shift: float
     deviation: float
     spread: Spread
     room: float = np.inf
+    inner: bool = False
 
 
 def find_borders(
-    picture: ByteArray, view: FaceView, reads: dict[str, EdgeRead], settings: LocalizerSettings
+    picture: ByteArray,
+    view: FaceView,
+    reads: dict[str, EdgeRead],
+    settings: LocalizerSettings,
+    known: Mapping[str, Border] = MappingProxyType({}),
 ) -> dict[str, Border]:
     """The edges of the face, where rims lie along them or not.
 
@@ -171,6 +179,7 @@ def find_borders(
         view: The camera before the face.
         reads: By edge, what was read.
         settings: Limits of refusal.
+        known: By edge, what was found when both were read; the other one was read again since, at one of its steps.
 
     Raises:
         LocalizationError: Blurred or WrongEdge.
@@ -186,7 +195,7 @@ def find_borders(
             if one.rim is None and softer(one.blur(), sharp):
                 one.look(sharp)
     _look_for_arrises(view, seen)
-    inner = _inside_of_rims(picture, view, seen)
+    inner = _inside_of_rims(picture, view, seen, {edge: one.inner for edge, one in known.items()})
     out = {}
     for edge, one in seen.items():
         read, rim = one.read, one.rim
@@ -205,7 +214,7 @@ def find_borders(
             checks.check_spread(edge, spread, streaks, settings)
             shift = rim.shift - (rim.width if inner[edge] else 0.0)
             room = rim.width if rim.width > _ROOM else np.inf
-            out[edge] = Border(shift, rim.deviation, spread, room)
+            out[edge] = Border(shift, rim.deviation, spread, room, inner[edge])
     check_alike({edge: one.rim for edge, one in seen.items()}, {e: one.blur() for e, one in seen.items()})
     return out
 
@@ -228,17 +237,21 @@ def _look_for_arrises(view: FaceView, seen: dict[str, _Seen]) -> None:
             seen[edge].rim = seen[edge].profile().like(edge, rim, pixel)
 
 
-def _inside_of_rims(picture: ByteArray, view: FaceView, seen: dict[str, _Seen]) -> dict[str, bool]:
+def _inside_of_rims(
+    picture: ByteArray, view: FaceView, seen: dict[str, _Seen], known: dict[str, bool]
+) -> dict[str, bool]:
     """For each edge whether the edge of the face is the inner border of its rim, which then lies behind the face.
+
+    That of the edges `known` was told when both were read: an edge that was read again at one of its steps shows that
+    one alone, and says nothing any more of the other edge.
 
     Raises:
         WrongEdge: It cannot be told.
     """
     pixel = view.pixel
-    wide = [edge for edge, one in seen.items() if one.rim is not None and wide_and_dark(one.rim, pixel)]
-    inner = dict.fromkeys(seen, False)
-    if not wide:
-        return inner
+    dark = [edge for edge, one in seen.items() if one.rim is not None and wide_and_dark(one.rim, pixel)]
+    if not set(dark) - set(known):
+        return dict.fromkeys(seen, False) | known
     # What is done to one edge is done to the other, and a little narrower there.
     least = _AS_WIDE * max(one.rim.width for one in seen.values() if one.rim is not None)
     lines = {}
@@ -251,4 +264,4 @@ def _inside_of_rims(picture: ByteArray, view: FaceView, seen: dict[str, _Seen]) 
             lines[edge] = [within, outer] if one.rim.width > least else [outer]
             check_readable(edge, one.rim, pixel)
     found = choose(picture, view, lines, meet(lines[HINGE][0], lines[BOTTOM][0])[:2])
-    return {edge: len(lines[edge]) > 1 and found[edge] is lines[edge][0] for edge in EDGES}
+    return {edge: len(lines[edge]) > 1 and found[edge] is lines[edge][0] for edge in EDGES} | known

@@ -1,6 +1,8 @@
 """Dark bands and bevels a few pixels wide: on the face or behind it, told by what happens where they cross."""
 
+from contextlib import suppress
 from dataclasses import replace
+from itertools import chain, product
 
 import numpy as np
 import pytest
@@ -8,6 +10,7 @@ import pytest
 from doormill_ros.cell.layout import DoorOffset
 from doormill_ros.localization.errors import WrongEdge
 from doormill_ros.localization.localizer import localize
+from doormill_ros.localization.view import EDGES
 from doormill_ros.simulation.picture.picture import render_picture
 from doormill_ros.simulation.picture.scene import BackEdge, Edges, PictureScene, Sensor, Strip, Surface
 from doormill_ros.units import MM
@@ -65,3 +68,15 @@ def test_a_bright_lipping_along_one_edge_is_not_taken_for_a_bevel(edge, factor, 
     scene = replace(SCENE, strips=strips(-1.0, 2.0, factor, (edge,)))
     found = localize(render_picture(scene, 6), camera, layout, WIDTH, THICKNESS).offset
     assert np.hypot(found.y - scene.offset.y, found.z - scene.offset.z) < 0.03 * MM
+
+
+def test_bands_of_which_one_alone_can_be_read_by_itself_are_on_the_face_along_both_edges(camera, layout):
+    off = []
+    for widths, seed in product([(0.48, 0.62), (0.62, 0.48), (0.52, 0.56), (0.56, 0.52)], range(4)):
+        bands = [strips(-1.0, wide, 0.53, (edge,)) for edge, wide in zip(EDGES, widths, strict=True)]
+        scene = replace(SCENE, face=Surface(0.5, mottle=0.015, grain=0.02), strips=tuple(chain(*bands)))
+        with suppress(WrongEdge):
+            found = localize(render_picture(scene, seed), camera, layout, WIDTH, THICKNESS).offset
+            off.append(np.hypot(found.y - scene.offset.y, found.z - scene.offset.z))
+    assert len(off) >= 12
+    assert max(off) < 0.1 * MM  # a rim taken for what it is not is half a millimetre
