@@ -47,6 +47,7 @@ _LIGHTEST = 0.6  # share of the step at the outer border: a lighter rim moves th
 _LEAST_SHIFT = 0.5  # px
 _WIDTHS = (1.2, 2.2, 3.6)  # px
 _KINDS = (0.5, 0.85), (1.0, 1.0)  # outer border as a share of the width, sharpness as a share of the blur
+_POLISHED = (-0.2, 1.8, 1.15)  # shift, width and sharpness of a bright rim, as shares of the blur
 _TRIED = np.array([-1.5, 1.5, 2.5, 3.5, 4.5])  # px; where steps beside the edge would show a rim
 _CERTAIN = 9.0  # squared deviations between two readings of which one can be left out
 _SAME = 0.05  # by how much two edges differ in blur, as a share
@@ -107,8 +108,10 @@ class Profile:
         rims = [fit for fit in tries if _arris(fit, pixel)]
         if not rims:
             return None
-        best = min(rims, key=self.squares)
+        best = self._surely(min(rims, key=self.squares))
         rim = self._rim(best)
+        if _polish(best):
+            return rim
         least = _GAIN if rim.brightness + 1 > _AS_BACKGROUND else _GAIN_DARK
         least = least * max(self._left_near(best), 1.0) + self.squares(best)
         # What is left of chips trails behind an edge that stays where it is.
@@ -138,8 +141,17 @@ class Profile:
 
     def placed(self, rim: Rim, pixel: float) -> Rim:
         """A narrow dark rim that was found, placed anew with the errors' correlation taken into account."""
-        fit = fit_two(self.mean, self.whiten, np.array([rim.shift, rim.width, rim.blur]))
-        return self._rim(fit) if _arris(fit, pixel) else rim
+        fit = self._surely(fit_two(self.mean, self.whiten, np.array([rim.shift, rim.width, rim.blur])))
+        return self._rim(fit) if _polish(fit) or _arris(fit, pixel) else rim
+
+    def _surely(self, dark: StepFit) -> StepFit:
+        """Two steps with a dark rim between them, or those with a bright one where that explains more for certain.
+
+        A bright rim hardly wider than a pixel steepens the edge as a dark one does through a lens too sharp to be true.
+        """
+        bright = fit_two(self.mean, self.whiten, np.array(_POLISHED) * self.spread.blur)
+        better = self.squares(dark) - self.squares(bright) > _CERTAIN
+        return bright if better and _polish(bright) else dark
 
     def like(self, edge: str, rim: Rim, pixel: float) -> Rim:
         """The rim of this edge, which has one like that of the other.
@@ -238,6 +250,13 @@ def _trail(fit: StepFit) -> bool:
     """Whether two fitted steps are an edge and a faint trail inside of it."""
     part = float(fit.heights[0] / fit.heights.sum())
     return bool(fit.places[1] > _WIDTHS[1] and _LIGHTEST < part < 1.0)
+
+
+def _polish(fit: StepFit) -> bool:
+    """Whether two fitted steps can be the borders of a bright arris."""
+    _, width, blur = fit.places
+    total = float(fit.heights.sum())
+    return bool(min(width, blur) > 0 and total > 0 and fit.heights[0] > total)
 
 
 def _arris(fit: StepFit, pixel: float) -> bool:

@@ -37,7 +37,7 @@ _WIDE_BLUR = 3.0  # px
 _AS_WIDE = 0.7
 _SMOOTH = 9  # rows over which edge points are averaged; a saw's waves are longer
 _RAGGED = 1.0  # px; an edge that scatters more shows no rim, and is uncertain enough to be refused for that
-_ROOM = 5.5  # px: one of two steps so far apart can be read by itself
+_ROOM = 5.0  # px: one of two steps so far apart can be read by itself
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,7 +179,7 @@ def find_borders(
         view: The camera before the face.
         reads: By edge, what was read.
         settings: Limits of refusal.
-        known: By edge, what was found when both were read; the other one was read again since, at one of its steps.
+        known: By edge, what was found when both were read as one step, if they were read again since.
 
     Raises:
         LocalizationError: Blurred or WrongEdge.
@@ -195,7 +195,8 @@ def find_borders(
             if one.rim is None and softer(one.blur(), sharp):
                 one.look(sharp)
     _look_for_arrises(view, seen)
-    inner = _inside_of_rims(picture, view, seen, {edge: one.inner for edge, one in known.items()})
+    # Read again at one of its steps an edge shows that one alone, and tells nothing any more of the other edge's.
+    inner = {e: one.inner for e, one in known.items()} or _inside_of_rims(picture, view, seen)
     out = {}
     for edge, one in seen.items():
         read, rim = one.read, one.rim
@@ -237,21 +238,17 @@ def _look_for_arrises(view: FaceView, seen: dict[str, _Seen]) -> None:
             seen[edge].rim = seen[edge].profile().like(edge, rim, pixel)
 
 
-def _inside_of_rims(
-    picture: ByteArray, view: FaceView, seen: dict[str, _Seen], known: dict[str, bool]
-) -> dict[str, bool]:
+def _inside_of_rims(picture: ByteArray, view: FaceView, seen: dict[str, _Seen]) -> dict[str, bool]:
     """For each edge whether the edge of the face is the inner border of its rim, which then lies behind the face.
-
-    That of the edges `known` was told when both were read: an edge that was read again at one of its steps shows that
-    one alone, and says nothing any more of the other edge.
 
     Raises:
         WrongEdge: It cannot be told.
     """
     pixel = view.pixel
-    dark = [edge for edge, one in seen.items() if one.rim is not None and wide_and_dark(one.rim, pixel)]
-    if not set(dark) - set(known):
-        return dict.fromkeys(seen, False) | known
+    wide = [edge for edge, one in seen.items() if one.rim is not None and wide_and_dark(one.rim, pixel)]
+    inner = dict.fromkeys(seen, False)
+    if not wide:
+        return inner
     # What is done to one edge is done to the other, and a little narrower there.
     least = _AS_WIDE * max(one.rim.width for one in seen.values() if one.rim is not None)
     lines = {}
@@ -264,4 +261,4 @@ def _inside_of_rims(
             lines[edge] = [within, outer] if one.rim.width > least else [outer]
             check_readable(edge, one.rim, pixel)
     found = choose(picture, view, lines, meet(lines[HINGE][0], lines[BOTTOM][0])[:2])
-    return {edge: len(lines[edge]) > 1 and found[edge] is lines[edge][0] for edge in EDGES} | known
+    return {edge: len(lines[edge]) > 1 and found[edge] is lines[edge][0] for edge in EDGES}

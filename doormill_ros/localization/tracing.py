@@ -179,8 +179,7 @@ def _trace(
                 room[edge] = int(np.clip(borders[edge].room - _NARROW_BLUR, 4, WIDE_HALF))
         poses, around = _surroundings(picture, view, poses, room, settings)
         reads = _read(picture, view, poses, room, around, settings)
-        known = {edge: one for edge, one in borders.items() if not np.isfinite(one.room)}
-        borders = find_borders(picture, view, reads, settings, known)
+        borders = find_borders(picture, view, reads, settings, borders)
     out = {}
     for edge, read in reads.items():
         border, beside = borders[edge], read.beside

@@ -80,3 +80,19 @@ def test_bands_of_which_one_alone_can_be_read_by_itself_are_on_the_face_along_bo
             off.append(np.hypot(found.y - scene.offset.y, found.z - scene.offset.z))
     assert len(off) >= 12
     assert max(off) < 0.1 * MM  # a rim taken for what it is not is half a millimetre
+
+
+@pytest.mark.parametrize(
+    ("factor", "blur", "seed"), [(1.15, 0.8, 0), (1.15, 1.0, 0), (1.19, 1.0, 1), (1.25, 1.0, 1)]
+)
+def test_a_bright_arris_hardly_wider_than_a_pixel_is_not_taken_for_a_dark_one(
+    factor, blur, seed, camera, layout
+):
+    scene = replace(
+        SCENE,
+        face=Surface(0.62, mottle=0.015, grain=0.01),
+        sensor=Sensor(blur=blur),
+        strips=strips(-1.0, 0.12, factor),
+    )
+    found = localize(render_picture(scene, seed), camera, layout, WIDTH, THICKNESS).offset
+    assert np.hypot(found.y - scene.offset.y, found.z - scene.offset.z) < 0.03 * MM
