@@ -35,9 +35,7 @@ RESULT, STATUS, REQUEST = "/run/result", "/abb/status", "/abb/request"
 class Bags:
     """A watch over the bags of a folder, with settings that can be changed."""
 
-    def __init__(
-        self, folder: Path, settings: WatchSettings = SETTINGS, own_process: bool = False
-    ) -> None:
+    def __init__(self, folder: Path, settings: WatchSettings = SETTINGS, own_process: bool = False) -> None:
         self.settings, self.bags = settings, folder / "bags"
         self.asked: list[RunsQuestion] = []
         self.looks = 0
