@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from support.assertions import Function, asserts, collected, names_of, surely_asserts
+from support.long_files import LONG
 from support.source_tree import ROOT
 
 TESTS = ROOT / "test"
@@ -27,6 +28,12 @@ def name_of(path: Path, test: Function) -> str:
 def test_there_are_tests_to_check() -> None:
     assert len(FILES) > 150
     assert sum(len(collected(path)) for path in FILES) > 1000
+
+
+def test_the_files_that_are_begun_first_are_there(request: pytest.FixtureRequest) -> None:
+    assert [name for name in LONG if TESTS / name not in FILES] == []
+    assert len(set(LONG)) == len(LONG)
+    assert request.config.option.loadscopereorder is False
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda p: p.relative_to(TESTS).as_posix())

@@ -15,13 +15,13 @@ import pytest
 
 import doormill_ros.monitor.runs_watch as watching
 from doormill_ros.diagnosis.runs.limits import FEWEST
-from doormill_ros.monitor.questioner import Questioner
 from doormill_ros.monitor.runs_finding import FEW, RunsFinding
 from doormill_ros.monitor.runs_question import RunsQuestion
 from doormill_ros.monitor.runs_watch import RunsState, RunsWatch
 from doormill_ros.monitor.watch_state import WatchSettings
 from doormill_ros.recording.bag_reader import BagMessage, read_bag
 from doormill_ros.recording.bag_writer import BagWriter
+from support.asked_here import questioner
 from support.run_series import Series, draw_series
 from support.run_series_bags import write_series
 
@@ -35,11 +35,11 @@ RESULT, STATUS, REQUEST = "/run/result", "/abb/status", "/abb/request"
 class Bags:
     """A watch over the bags of a folder, with settings that can be changed."""
 
-    def __init__(self, folder: Path, settings: WatchSettings = SETTINGS) -> None:
+    def __init__(self, folder: Path, settings: WatchSettings = SETTINGS, own_process: bool = False) -> None:
         self.settings, self.bags = settings, folder / "bags"
         self.asked: list[RunsQuestion] = []
         self.looks = 0
-        self.questioner = Questioner(folder / "kept", lambda: self.settings.patience)
+        self.questioner = questioner(folder / "kept", lambda: self.settings.patience, own_process)
         ask = self.questioner.ask
 
         def noted(question: RunsQuestion) -> None:
@@ -121,7 +121,7 @@ def quiet(tmp_path_factory: pytest.TempPathFactory) -> tuple[Series, Path]:
 def known(moved: tuple[Series, Path], tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, RunsFinding]:
     """A folder in which the moved camera was named, and what was found."""
     folder = tmp_path_factory.mktemp("known")
-    with Bags(folder) as cell:
+    with Bags(folder, own_process=True) as cell:
         cell.bring(moved[1])
         return folder, cell.found()
 

@@ -19,6 +19,7 @@ from doormill_ros.monitor.questioner import Questioner
 from doormill_ros.monitor.recorded_runs import RecordedRuns
 from doormill_ros.monitor.watch import ModelWatch
 from doormill_ros.monitor.watch_state import WatchSettings
+from support.asked_here import questioner
 from support.gauged_shift import HINGE_DOORS, gauged_shift
 from support.source_tree import ROOT
 
@@ -35,10 +36,10 @@ def nobody(points):
 class Watched:
     """A watch in a folder, with settings that can be changed."""
 
-    def __init__(self, folder, bags=ROOT / "bags", settings=SETTINGS):
+    def __init__(self, folder, bags=ROOT / "bags", settings=SETTINGS, own_process=False):
         self.settings = settings
         self.store = ModelStore(folder / "models")
-        self.questioner = Questioner(folder / "kept", lambda: self.settings.patience)
+        self.questioner = questioner(folder / "kept", lambda: self.settings.patience, own_process)
         self.watch = ModelWatch(
             folder / "kept", bags, folder / "models", lambda: self.settings, self.questioner, lambda: None
         )
@@ -70,7 +71,7 @@ def inspected(tmp_path_factory):
 def asked(inspected, tmp_path_factory):
     """A folder in which the two doors were questioned, and the state after that."""
     folder = tmp_path_factory.mktemp("watch")
-    with Watched(folder) as watched:
+    with Watched(folder, own_process=True) as watched:
         watched.watch.hand_in(inspected, nobody)
         state = watched.answered()
     return folder, state
@@ -289,7 +290,7 @@ def test_inspections_that_were_taken_before_the_disk_was_full_are_asked_about(
 
 def test_a_door_that_the_diagnosis_cannot_use_is_set_aside_and_the_others_are_questioned(copied, inspected):
     points = points_of(inspected / "door_000")
-    with Watched(copied) as watched:
+    with Watched(copied, own_process=True) as watched:
         watched.watch.take(replace(points, feature=["no_such_feature"] * len(points.feature)))
         state = watched.answered(lambda state: state.error_code and not state.asking)
         assert state.error_code == QuestionError.code

@@ -3,23 +3,29 @@
 from __future__ import annotations
 
 import json
+import os
+import signal
+import subprocess
 import time
+from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import httpx
+import pytest
 
 from doormill_ros.abb.target_file.target_file import read_target_file
 from doormill_ros.cell.errors import NodeInactiveError
-from doormill_ros.cell.run_folder import RunFolder
 from doormill_ros.messages.stamps import seconds_of
-from doormill_ros.nodes.cell import Cell, CellOptions, run_once
+from doormill_ros.nodes.cell import CellOptions, run_once
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.recording.replay.replay import replay_bag
 from doormill_ros.report.run_report import write_report
-from support.cell_processes import free_port
+from support.cell_processes import STOP_LIMIT, executable, free_port
 
 DOOR = "standard_door"
+LIMIT = 240.0  # s
 
 
 def heard(folder: Path) -> dict[str, list[Any]]:
@@ -35,35 +41,85 @@ def states(found: dict[str, list[Any]], robot: str) -> list[str]:
     return [message.state for message in found[f"/{robot}/abb/status"]]
 
 
-def test_two_robots_mill_a_door_and_the_second_begins_when_the_first_is_home(tmp_path: Path) -> None:
-    summary = run_once(DOOR, tmp_path, CellOptions(robots=2))
-    assert summary.success, summary.message
-    assert summary.measured
-    assert summary.feature_error.corrected_max < summary.feature_error.tolerance
+@dataclass(frozen=True)
+class Milled:
+    """What a run of the tool left: its folder, its summary, and what the page showed last."""
+
+    folder: Path
+    summary: dict[str, Any]
+    shown: dict[str, Any]
+
+
+@pytest.fixture(scope="module")
+def milled(tmp_path_factory: pytest.TempPathFactory) -> Milled:
+    """The tool with two robots and a page, until its door is milled; it is the dearest run of all."""
+    folder, port = tmp_path_factory.mktemp("two") / "run", free_port()
+    command = [executable("cell"), "--door", DOOR, "--robots", "2", "--ui", str(port), "--out", str(folder)]
+    environment = {**os.environ, "XDG_DATA_HOME": str(folder.parent), "ROS_LOG_DIR": str(folder.parent)}
+    log = folder.parent / "log.txt"
+    with log.open("wb") as stream:
+        process = subprocess.Popen(command, stdout=stream, stderr=subprocess.STDOUT, env=environment)
+    try:
+        shown = _shown_last(port, process, log)
+        process.send_signal(signal.SIGINT)
+        assert process.wait(STOP_LIMIT) == 0, log.read_text()
+    finally:
+        process.kill()
+        process.wait()
+    return Milled(folder, json.loads((folder / "summary.json").read_text()), shown)
+
+
+def _shown_last(port: int, process: subprocess.Popen[bytes], log: Path) -> dict[str, Any]:
+    """The page's content once the run has ended and its last messages have come."""
+    shown: dict[str, Any] = {}
+
+    def whole() -> bool:
+        ended = bool(shown.get("history")) and "stays up for the operator's page" in log.read_text()
+        # A refused door is drawn without anything measured.
+        if not ended or not shown["history"][0]["success"]:
+            return ended
+        measured = shown["drawing"] and all(one["deviation"] >= 0.0 for one in shown["drawing"]["features"])
+        return bool(measured and all(robot["does"] == "share" for robot in shown["robots"]))
+
+    deadline = time.monotonic() + LIMIT
+    while not whole():
+        assert time.monotonic() < deadline, (shown, log.read_text())
+        assert process.poll() is None, log.read_text()
+        time.sleep(0.1)
+        with suppress(httpx.TransportError):
+            shown = httpx.get(f"http://127.0.0.1:{port}/state", timeout=60.0).json()
+    return shown
+
+
+def test_two_robots_mill_a_door_and_the_second_begins_when_the_first_is_home(milled: Milled) -> None:
+    folder, summary = milled.folder, milled.summary
+    run_id, touched, error = summary["run_id"], summary["touched"], summary["feature_error"]
+    assert summary["success"], summary["message"]
+    assert summary["measured"]
+    assert error["corrected_max"] < error["tolerance"]
     # The judge saw what both did, and neither touched the other or anything else.
-    assert summary.touched.samples == 0
-    files = [tmp_path / "targets" / f"robot{number}" / f"{summary.run_id}.txt" for number in (1, 2)]
+    assert touched["samples"] == 0
+    files = [folder / "targets" / f"robot{number}" / f"{run_id}.txt" for number in (1, 2)]
     shares = [read_target_file(file.read_bytes()) for file in files]
-    assert [share.run_id for share in shares] == [summary.run_id] * 2
-    milled = [
+    assert [share.run_id for share in shares] == [run_id] * 2
+    cut = [
         {line.split()[1] for line in f.read_text().splitlines() if line.startswith("#feature")} for f in files
     ]
-    assert all(milled)
-    assert {"hinge_1", "hinge_2", "hinge_3"} <= milled[0]
-    assert "lock_case" in milled[1] - milled[0]
-    found = heard(tmp_path)
+    assert all(cut)
+    assert {"hinge_1", "hinge_2", "hinge_3"} <= cut[0]
+    assert "lock_case" in cut[1] - cut[0]
+    found = heard(folder)
     executed = [found[f"/robot{number}/simulation/executed_path"][-1] for number in (1, 2)]
-    assert summary.touched.judged == sum(len(path.time) for path in executed)
+    assert touched["judged"] == sum(len(path.time) for path in executed)
     # By the bridges' own stamps, one clock for both, the second took up its file after the first had told of its end.
-    (first,) = [m for m in found["/robot1/share/result"] if m.run_id == summary.run_id]
-    writing = [m for m in found["/robot2/abb/status"] if m.state == "writing" and m.run_id == summary.run_id]
+    (first,) = [m for m in found["/robot1/share/result"] if m.run_id == run_id]
+    writing = [m for m in found["/robot2/abb/status"] if m.state == "writing" and m.run_id == run_id]
     assert first.success
     assert all(seconds_of(first.header.stamp) < seconds_of(m.header.stamp) for m in writing)
     assert writing
     (result,) = found["/run/result"]
-    assert (result.run_id, result.success) == (summary.run_id, True)
-    assert json.loads((tmp_path / "summary.json").read_text())["success"]
-    replayed = replay_bag(tmp_path / "bag")
+    assert (result.run_id, result.success) == (run_id, True)
+    replayed = replay_bag(folder / "bag")
     assert replayed.found == []
     for number in (1, 2):
         targets = f"/robot{number}/path/targets"
@@ -100,33 +156,13 @@ def test_a_first_robot_that_stops_with_a_fault_keeps_the_second_one_still(tmp_pa
     assert not any(message.data for message in found["/robot2/abb/ready"])
 
 
-def test_the_page_tells_of_both_robots_and_of_the_door_they_milled(tmp_path: Path) -> None:
-    port = free_port()
-    chosen = CellOptions({"operator_page": {"port": port}}, page=True, robots=2)
-    folder = RunFolder(tmp_path)
-    folder.prepare()
-    with (
-        Cell(folder, chosen) as cell,
-        httpx.Client(base_url=f"http://127.0.0.1:{port}", timeout=60.0) as page,
-    ):
-        summary = cell.mill(DOOR)
-        assert summary.success, summary.message
-
-        def whole(told: dict[str, Any]) -> bool:
-            """The last messages have come."""
-            measured = told["drawing"] and all(one["deviation"] >= 0.0 for one in told["drawing"]["features"])
-            both = all(robot["does"] == "share" for robot in told["robots"])
-            return bool(measured and both and told["history"])
-
-        deadline = time.monotonic() + 60.0
-        while not whole(told := page.get("/state").json()):
-            assert time.monotonic() < deadline, told
-            time.sleep(0.05)
-    assert told["step"]["key"] == "done_both"
-    assert told["history"][0]["run_id"] == summary.run_id
-    for feature in told["drawing"]["features"]:
+def test_the_page_tells_of_both_robots_and_of_the_door_they_milled(milled: Milled) -> None:
+    shown = milled.shown
+    assert shown["step"]["key"] == "done_both"
+    assert shown["history"][0]["run_id"] == milled.summary["run_id"]
+    for feature in shown["drawing"]["features"]:
         assert feature["came_to"] == "within"
         # Of each robot's own program; a half of a through hole is in both.
         assert all(0.0 <= share["begin"] < share["end"] for share in feature["shares"])
-    assert {share["robot"] for one in told["drawing"]["features"] for share in one["shares"]} == {1, 2}
-    assert told["faults"] == []
+    assert {share["robot"] for one in shown["drawing"]["features"] for share in one["shares"]} == {1, 2}
+    assert shown["faults"] == []

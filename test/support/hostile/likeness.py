@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import enum
 import re
-from collections.abc import Mapping, Set
+from collections.abc import Iterator, Mapping, Set
 from pathlib import Path
 from typing import Any
 
@@ -17,11 +17,23 @@ from doormill_ros.measurements.trial_table import TrialTable
 _TEXTS = (SetDocument, TrialTable)
 _LINES = {"line", "lines"}
 _ADDRESS = re.compile(r" at 0x[0-9a-f]+")
+#: Values in one that is compared: what references in a text multiply ends here, not when the memory does.
+MOST = 300_000
 _WHOLE = 2**53  # up to here a float is the same number
 
 
 def essence(value: Any) -> Any:
-    """A value as nested tuples that compare equal where the values mean the same; NaN equals NaN."""
+    """A value as nested tuples that compare equal where the values mean the same; NaN equals NaN.
+
+    Raises:
+        ValueError: It has more than `MOST` values.
+    """
+    return _essence(value, iter(range(MOST)))
+
+
+def _essence(value: Any, left: Iterator[int]) -> Any:
+    if next(left, None) is None:
+        raise ValueError(f"more than {MOST} values")
     if value is None or isinstance(value, bool | str | bytes):
         return value if not isinstance(value, enum.Enum) else value.name
     if isinstance(value, enum.Enum):
@@ -32,17 +44,23 @@ def essence(value: Any) -> Any:
         numbers = value.astype(float) if value.dtype.kind in "iuf" else value
         return value.shape, numbers.tobytes()
     if isinstance(value, Mapping):
-        return tuple(sorted(((repr(essence(k)), essence(v)) for k, v in value.items()), key=lambda p: p[0]))
+        return tuple(
+            sorted(
+                ((repr(_essence(k, left)), _essence(v, left)) for k, v in value.items()), key=lambda p: p[0]
+            )
+        )
     if isinstance(value, Set):
-        return tuple(sorted(repr(essence(item)) for item in value))
+        return tuple(sorted(repr(_essence(item, left)) for item in value))
     if isinstance(value, list | tuple):
-        return tuple(essence(item) for item in value)
+        return tuple(_essence(item, left) for item in value)
     if isinstance(value, (*_TEXTS, type, Path)):
         return str(value) if isinstance(value, Path) else type(value).__name__
     names = {*getattr(value, "__dict__", ()), *getattr(type(value), "__slots__", ())} - _LINES
     if callable(value) or not names:
         return _ADDRESS.sub("", repr(value))
-    return type(value).__name__, tuple((name, essence(getattr(value, name, None))) for name in sorted(names))
+    return type(value).__name__, tuple(
+        (name, _essence(getattr(value, name, None), left)) for name in sorted(names)
+    )
 
 
 def difference(first: Any, second: Any) -> str:

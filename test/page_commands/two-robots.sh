@@ -1,1 +1,0 @@
-cell --door standard_door --robots 2
