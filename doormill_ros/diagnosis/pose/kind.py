@@ -18,6 +18,7 @@ from doormill_ros.diagnosis.pose.causes import (
     indistinguishable,
     not_determined,
     rejected_entry,
+    scale_of_all,
     sides_of_gaps,
 )
 from doormill_ros.diagnosis.pose.certainty import certainty_section
@@ -121,7 +122,12 @@ class Poses(Kind[PoseSet, PoseDiagnosis]):
                 for data, bad in zip(diagnosis.sets, diagnosis.gross, strict=True)
                 for row in data.row[bad]
             ],
-            remarks=[*standing_remarks(standing), *_remarks(diagnosis), *sides_of_gaps(causes)],
+            remarks=[
+                *standing_remarks(standing),
+                *scale_of_all(causes),
+                *_remarks(diagnosis),
+                *sides_of_gaps(causes),
+            ],
             next_measurement=plan_next(diagnosis, poses),
             checks=checks,
             sections=sections,

@@ -17,7 +17,7 @@ from doormill_ros.diagnosis.pose.fit import Fitted, fit_causes
 from doormill_ros.diagnosis.pose.free_weight import FreeWeight
 from doormill_ros.diagnosis.pose.likely_stance import Standing, Weights, likeliest
 from doormill_ros.diagnosis.pose.selection import SHARE, SURE, WORTH
-from doormill_ros.diagnosis.pose.validation import Validation, by_block
+from doormill_ros.diagnosis.pose.validation import Validation, held_out_fall
 from doormill_ros.measurements.pose_set import PoseSet
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
 from doormill_ros.robot_model.pose.causes.hints import Hints, places_of_joints
@@ -95,18 +95,7 @@ def _convinces(sets: Sequence[PoseSet], stance: Stance, nominal: Fitted) -> bool
             if isinstance(cause, JointSag) and fitted.solution.x[layout.part(i).start] < 0.0
         ]
         tried.append(Validation(fitted).less(np.array(upwards, dtype=int)))
-    none = np.zeros(0, dtype=int)
-    weight = [np.minimum(a, b) for a, b in zip(*(one.fitted.problem.weights for one in tried), strict=True)]
-    problem = tried[1].fitted.problem
-    before, after = (
-        [
-            w * np.sum((error * problem.scale(i)) ** 2, axis=1)
-            for i, (w, error) in enumerate(zip(weight, one.residuals(one.blocks, none), strict=True))
-        ]
-        for one in tried
-    )
-    fall = np.concatenate(by_block([a - b for a, b in zip(before, after, strict=True)]))
-    left = sum(float(part.sum()) for part in after)
+    fall, left = held_out_fall(*tried)
     return bool(fall.sum() > max(WORTH, SHARE * left) and standard_errors(fall) > SURE)
 
 
