@@ -27,8 +27,8 @@ from doormill_ros.robot_model.pose.causes.registry import candidates
 from doormill_ros.robot_model.pose.stance import UPRIGHT, Stance
 from doormill_ros.units import rad_to_deg
 
-#: Rows that are asked, at most.
-ROWS = 1500
+#: Rows that are asked, of which every series keeps so many at least.
+ROWS, LEAST = 1500, 60
 
 
 def find_standing(
@@ -58,19 +58,16 @@ def find_standing(
 
 
 def _thinned(sets: Sequence[PoseSet]) -> list[PoseSet]:
-    """Every so many-th row."""
-    step = -(-sum(map(len, sets)) // ROWS)
+    """Every so many-th row of series that are long enough to do without the others."""
+    every = -(-sum(map(len, sets)) // ROWS)
     columns = ("row", "time", "temperature", "q", "position", "placement")
-    if step == 1:
-        return list(sets)
-    return [
-        replace(
-            data,
-            **{name: getattr(data, name)[::step] for name in columns},
-            rotation=None if data.rotation is None else data.rotation[::step],
-        )
-        for data in sets
-    ]
+    found = []
+    for data in sets:
+        some = slice(None, None, max(1, min(every, len(data) // LEAST)))
+        rotation = None if data.rotation is None else data.rotation[some]
+        parts = {name: getattr(data, name)[some] for name in columns}
+        found.append(replace(data, **parts, rotation=rotation))
+    return found
 
 
 def _library(sets: Sequence[PoseSet]) -> list[PoseCause]:
@@ -125,6 +122,6 @@ def standing_remarks(standing: Standing) -> list[str]:
         lines.append(
             f"The robot seems to carry {standing.mass[0]:.1f} kg (standard deviation {standing.mass[1]:.1f} kg) at "
             f"({at}) m of the flange that the stated masses do not hold, and every torque of gravity is reckoned so: "
-            "what hangs there? Add it to the last of the links in set.yaml."
+            "what hangs there, or which stated mass is wrong? A load belongs to the last of the links in set.yaml."
         )
     return lines
