@@ -21,6 +21,7 @@ from doormill_ros.robot_model.pose.causes.joint_sag import JointSag
 from doormill_ros.robot_model.pose.causes.joint_waves import JointWaves
 from doormill_ros.robot_model.pose.causes.session_step import SessionStep
 from doormill_ros.robot_model.pose.causes.tracker_scale import PoseTrackerScale
+from doormill_ros.units import share_to_ppm
 
 #: Why a cause that helps on blocks left out is not one of the robot.
 WITHIN = (ONE_SERIES, NOT_CARRIED)
@@ -85,9 +86,9 @@ def sides_of_gaps(causes: Sequence[NamedCause]) -> list[str]:
 def scale_of_all(causes: Sequence[NamedCause]) -> list[str]:
     """What one share may be, by which all lengths are off."""
     return [
-        f"One share explains what otherwise lengths of several links would: all lengths are seen "
-        f"{1e6 * (one.parameters['factor']['value'] - 1.0):+.0f} ppm off (standard deviation "
-        f"{1e6 * one.parameters['factor']['std']:.0f} ppm). The tracker's scale does that, and so does a robot that is "
+        "One share explains what otherwise lengths of several links would: all lengths are seen "
+        f"{share_to_ppm(one.parameters['factor']['value'] - 1.0):+.0f} ppm off (standard deviation "
+        f"{share_to_ppm(one.parameters['factor']['std']):.0f} ppm). The tracker's scale does that, and so does a robot that is "
         "warmer or colder than its drawing; poses do not tell them apart. Measure a scale bar of known length with the "
         "tracker."
         for one in causes

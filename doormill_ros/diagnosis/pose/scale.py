@@ -58,7 +58,13 @@ def spared(cause: LinkGeometry, members: Sequence[PoseCause]) -> bool:
 
 
 def drawn_length(dh: FloatArray, link: int, name: str) -> float:
-    """Nominal a or d of a link [m]; d with those of the parallel axes before it, which are the same displacement."""
+    """Nominal a or d of a link [m]; d with those of the parallel axes before it, which are the same displacement.
+
+    Args:
+        dh: Nominal table, shape (J, 4).
+        link: Number of the link, from 1 on.
+        name: a or d.
+    """
     if name == "a":
         return float(dh[link - 1, 2])
     length = float(dh[link - 1, 1])
