@@ -88,9 +88,9 @@ def scale_of_all(causes: Sequence[NamedCause]) -> list[str]:
     return [
         "One share explains what otherwise lengths of several links would: all lengths are seen "
         f"{share_to_ppm(one.parameters['factor']['value'] - 1.0):+.0f} ppm off (standard deviation "
-        f"{share_to_ppm(one.parameters['factor']['std']):.0f} ppm). The tracker's scale does that, and so does a robot that is "
-        "warmer or colder than its drawing; poses do not tell them apart. Measure a scale bar of known length with the "
-        "tracker."
+        f"{share_to_ppm(one.parameters['factor']['std']):.0f} ppm). The tracker's scale does that, and so does a "
+        "robot that is warmer or colder than its drawing; poses do not tell them apart. Measure a scale bar of known "
+        "length with the tracker."
         for one in causes
         if one.cause == PoseTrackerScale.name
     ]
