@@ -32,6 +32,11 @@ def m_to_um(value: Number) -> Number:
     return value * 1e6
 
 
+def share_to_ppm(value: Number) -> Number:
+    """A share to parts in a million."""
+    return value * 1e6
+
+
 def s_to_ms(value: Number) -> Number:
     """Seconds to milliseconds."""
     return value * 1e3

@@ -18,6 +18,7 @@ from doormill_ros.measurements.set_document import SetDocument
 from doormill_ros.measurements.si_units import DISTANCE, JOINT_ANGLE, LENGTH, TWIST, check_cells, check_values
 from doormill_ros.measurements.trial_table import TrialTable
 from doormill_ros.robot_model.pose.link_masses import LinkMass, published_masses
+from doormill_ros.robot_model.pose.stance import UPRIGHT, Stance
 from doormill_ros.robot_model.pose.view import SetView
 
 SCHEMA = "doormill/pose-set/1"
@@ -57,6 +58,7 @@ class PoseSet:
         position: Target in the tracker frame, shape (n, 3) [m].
         rotation: R_tracker_target, shape (n, 3, 3), or None where positions alone were measured.
         placement: Rows that may place the set when it is only checked, shape (n,) bool.
+        stance: How the robot stood to gravity and what it carried, which set.yaml does not tell: upright, nothing.
     """
 
     path: Path
@@ -74,6 +76,7 @@ class PoseSet:
     position: FloatArray
     rotation: FloatArray | None
     placement: BoolArray
+    stance: Stance = UPRIGHT
 
     def __len__(self) -> int:
         return len(self.row)
@@ -98,7 +101,14 @@ class PoseSet:
         """The postures, with published masses where the set states none."""
         links = self.links or published_masses(self.robot, self.joints)
         return SetView(
-            self.name, self.dh, links, self.q, self.row, time=self.time, temperature=self.temperature
+            self.name,
+            self.dh,
+            links,
+            self.q,
+            self.row,
+            time=self.time,
+            temperature=self.temperature,
+            stance=self.stance,
         )
 
 

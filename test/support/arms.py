@@ -48,6 +48,9 @@ class Arm:
     sag: Sequence[tuple[int, float]] = ()  # joint, rad / (N m)
     periodic: Sequence[tuple[int, int, float, float]] = ()  # joint, order, amplitude, phase
     strange: float = 0.0  # joint errors that no library holds: rad
+    down: Sequence[float] = (0.0, 0.0, -1.0)  # along gravity, base axes
+    load: tuple[float, Sequence[float]] | None = None  # kg and place in the flange that no set states, m
+    scale: float = 0.0  # by which the tracker has all lengths too long
     gross: Sequence[tuple[str, int]] = ()
     noise: float = 1.5e-5
     reach: float = 2.0  # of every joint, rad
@@ -83,9 +86,12 @@ def along(q: np.ndarray, dh: np.ndarray, beta: dict[int, float]) -> tuple[list[n
 
 def energy(q: np.ndarray, arm: Arm) -> np.ndarray:
     """Potential energy with the nominal lengths, shape (n,) [J]."""
-    origins, _ = along(q, np.array(arm.dh), {})
-    middles = [0.5 * (a + b) for a, b in pairwise(origins)]
-    return 9.80665 * sum(mass * p[:, 2] for mass, p in zip(arm.masses, middles, strict=False))
+    origins, R = along(q, np.array(arm.dh), {})
+    down = np.array(arm.down) / np.linalg.norm(arm.down)
+    weights = [(mass, 0.5 * (a + b)) for mass, (a, b) in zip(arm.masses, pairwise(origins), strict=False)]
+    if arm.load is not None:
+        weights.append((arm.load[0], origins[-1] + R @ np.array(arm.load[1])))
+    return -9.80665 * sum(mass * (p @ down) for mass, p in weights)
 
 
 def torque(q: np.ndarray, joint: int, arm: Arm) -> np.ndarray:
@@ -129,7 +135,8 @@ def write_arm(folder: Path, arm: Arm, rows: int, seed: int) -> list[Path]:
         for k in range(len(dh) - 1):
             true[:, k] += arm.strange * np.sin(3.0 * q[:, k] * q[:, k + 1] + k)
         origins, R = along(true, wrong, beta)
-        p = (origins[-1] + R @ target) @ R_base.T + p_base + rng.normal(0.0, arm.noise, (rows, 3))
+        p = ((origins[-1] + R @ target) @ R_base.T + p_base) * (1.0 + arm.scale)
+        p += rng.normal(0.0, arm.noise, (rows, 3))
         for where, row in arm.gross:
             if where == name:
                 p[row] += rng.uniform(5e-3, 2e-2, 3)

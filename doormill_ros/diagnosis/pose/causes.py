@@ -20,6 +20,8 @@ from doormill_ros.robot_model.pose.causes.joint_backlash import PoseBacklash
 from doormill_ros.robot_model.pose.causes.joint_sag import JointSag
 from doormill_ros.robot_model.pose.causes.joint_waves import JointWaves
 from doormill_ros.robot_model.pose.causes.session_step import SessionStep
+from doormill_ros.robot_model.pose.causes.tracker_scale import PoseTrackerScale
+from doormill_ros.units import share_to_ppm
 
 #: Why a cause that helps on blocks left out is not one of the robot.
 WITHIN = (ONE_SERIES, NOT_CARRIED)
@@ -81,6 +83,19 @@ def sides_of_gaps(causes: Sequence[NamedCause]) -> list[str]:
     ]
 
 
+def scale_of_all(causes: Sequence[NamedCause]) -> list[str]:
+    """What one share may be, by which all lengths are off."""
+    return [
+        "One share explains what otherwise lengths of several links would: all lengths are seen "
+        f"{share_to_ppm(one.parameters['factor']['value'] - 1.0):+.0f} ppm off (standard deviation "
+        f"{share_to_ppm(one.parameters['factor']['std']):.0f} ppm). The tracker's scale does that, and so does a "
+        "robot that is warmer or colder than its drawing; poses do not tell them apart. Measure a scale bar of known "
+        "length with the tracker."
+        for one in causes
+        if one.cause == PoseTrackerScale.name
+    ]
+
+
 def parameters_of(told: PoseProblem, deviation: FloatArray, score: Score) -> dict[str, dict[str, Any]]:
     """Value, standard deviation and unit by name.
 
@@ -121,6 +136,8 @@ def parameters_of(told: PoseProblem, deviation: FloatArray, score: Score) -> dic
     if isinstance(score.cause, PoseBacklash):
         gap = named["gap"]
         return {"gap": {**gap, "value": abs(gap["value"]), "side": PoseBacklash.side(gap["value"])}}
+    if isinstance(score.cause, PoseTrackerScale):
+        return {name: {**one, "value": 1.0 + one["value"]} for name, one in named.items()}
     if isinstance(score.cause, JointSag) and score.cause.frames:
         # Most moments of a real arm are next to nothing.
         return {name: one for name, one in named.items() if abs(one["value"]) > CLEAR * one["std"]}

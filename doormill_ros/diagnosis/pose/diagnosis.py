@@ -19,6 +19,7 @@ from doormill_ros.diagnosis.pose.model import Errors, SeriesFit, rmse, standard_
 from doormill_ros.diagnosis.pose.noise import common_noise, evened
 from doormill_ros.diagnosis.pose.search import PoseSearch
 from doormill_ros.diagnosis.pose.selection import Score
+from doormill_ros.diagnosis.pose.standing import find_standing
 from doormill_ros.diagnosis.pose.validation import by_block
 from doormill_ros.measurements.errors import PoseTableError, SetMixError
 from doormill_ros.measurements.pose_set import PoseSet
@@ -86,6 +87,7 @@ class PoseQuestion(Question[PoseCause, SeriesFit]):
 
     Attributes:
         sets: The series.
+        standing: What the sag of the joints says of gravity and load, as soon as it was searched.
         scores: What each cause was worth when it was asked last, by its identity.
         gone: Causes that earned no place, in the order in which they left.
     """
@@ -110,6 +112,8 @@ class PoseQuestion(Question[PoseCause, SeriesFit]):
         rows = sum(len(data) for data in self.sets)
         progress(f"{rows} poses in {len(self.sets)} series; placing them under the nominal model")
         nominal = fit_causes(self.sets, (), place_nominally(self.sets), passes=2)
+        self.standing = find_standing(self.sets, nominal, progress)
+        self.sets = tuple(replace(data, stance=self.standing.stance) for data in self.sets)
         search = PoseSearch(self.sets, nominal, progress)
         best = search.run()
         self.scores, self.gone = search.scores, search.gone
@@ -208,7 +212,7 @@ class PoseDiagnosis(Judgement[PoseCause, SeriesFit]):
         chosen = [(cause, part) for cause, part in self.extended.parts if cause.of_robot]
         x = np.concatenate([np.zeros(0), *(problem.x[part] for _, part in chosen)])
         causes = tuple(cause for cause, _ in chosen)
-        return PoseModel(data.robot, data.dh, problem.views[0].links, causes, x)
+        return PoseModel(data.robot, data.dh, problem.views[0].links, causes, x, stance=data.stance)
 
 
 def diagnose_poses(

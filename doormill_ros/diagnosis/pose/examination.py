@@ -16,6 +16,7 @@ from doormill_ros.diagnosis.pose.search import PoseSearch
 from doormill_ros.diagnosis.pose.selection import SURE
 from doormill_ros.diagnosis.pose.validation import Validation
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
+from doormill_ros.robot_model.pose.causes.tracker_scale import PoseTrackerScale
 
 
 class PoseExaminer(Examiner[PoseCause, SeriesFit]):
@@ -74,12 +75,15 @@ class PoseExaminer(Examiner[PoseCause, SeriesFit]):
         return float("inf")
 
     def doubles(self, asked: SeriesFit, cause: PoseCause) -> Sequence[Double[PoseCause, SeriesFit]]:
-        """Causes of the same fit that leave, for a small loss, the same pattern: by the overlap of their effects."""
+        """Causes of the same fit whose effects overlap; of a scale, the geometry of links that would tell the same."""
         layout = asked.problem.layout
         own = layout.part(layout.causes.index(cause))
-        return [
+        instead = self.models.instead if isinstance(cause, PoseTrackerScale) else []
+        leaning: list[Double[PoseCause, SeriesFit]] = [
             Double(other)
             for index, other in enumerate(layout.causes)
             if other is not cause
             and leans(asked.problem.x, asked.solution.covariance, own, layout.part(index))
         ]
+        known = {double.cause.key for double in leaning}
+        return [*leaning, *(Double(other) for other in instead if other.key not in known)]

@@ -18,6 +18,7 @@ from doormill_ros.diagnosis.pose.causes import (
     indistinguishable,
     not_determined,
     rejected_entry,
+    scale_of_all,
     sides_of_gaps,
 )
 from doormill_ros.diagnosis.pose.certainty import certainty_section
@@ -39,6 +40,7 @@ from doormill_ros.diagnosis.pose.evidence import (
 from doormill_ros.diagnosis.pose.laws import model_with_laws, with_laws
 from doormill_ros.diagnosis.pose.model import Errors, figures
 from doormill_ros.diagnosis.pose.next_poses import listed, plan_next, propose
+from doormill_ros.diagnosis.pose.standing import standing_document, standing_remarks
 from doormill_ros.measurements.pose_set import PoseSet, placement_owners, read_pose_set
 from doormill_ros.pages.page import Block, PageSection, Paragraphs
 from doormill_ros.robot_model.pose.model import model_document
@@ -100,7 +102,8 @@ class Poses(Kind[PoseSet, PoseDiagnosis]):
         causes = causes_of(diagnosis)
         series = [cause_entry(cause) for cause in causes if cause.where.startswith("set")]
         source = f"diagnosis of {', '.join(one.name for one in sets)}, verdict {diagnosis.verdict}"
-        sections = {**_sections(diagnosis), "next_poses": listed(poses)}
+        standing = diagnosis.question.standing
+        sections = {**_sections(diagnosis), **standing_document(standing), "next_poses": listed(poses)}
         laws = diagnosis.laws
         sections |= {} if laws is None else laws.document()
         after = _figures(diagnosis, diagnosis.after)
@@ -119,7 +122,12 @@ class Poses(Kind[PoseSet, PoseDiagnosis]):
                 for data, bad in zip(diagnosis.sets, diagnosis.gross, strict=True)
                 for row in data.row[bad]
             ],
-            remarks=[*_remarks(diagnosis), *sides_of_gaps(causes)],
+            remarks=[
+                *standing_remarks(standing),
+                *scale_of_all(causes),
+                *_remarks(diagnosis),
+                *sides_of_gaps(causes),
+            ],
             next_measurement=plan_next(diagnosis, poses),
             checks=checks,
             sections=sections,

@@ -147,6 +147,11 @@ class PoseProblem:
                 there = slice(at[b], at[b + 1])
                 H[here, there] = left.T @ (S[a, b][:, None] * bases[keys[b]][1])
                 H[there, here] = H[here, there].T
+        ids, place = np.unique(order, return_inverse=True)
+        if len(ids) < len(order):  # one coefficient in several directions
+            once = np.zeros((len(ids), len(order)))
+            once[place, np.arange(len(order))] = 1.0
+            order, H, g = ids, once @ H @ once.T, once @ g
         x = np.concatenate([self.x, np.zeros(self.size - self.layout.size)])[order]
         c = float(np.sum((error * scale) ** 2)) + float(x @ (2.0 * g + H @ x))
         return Block(series, rows, order, H, g + H @ x, c, float(weight.sum()))

@@ -11,13 +11,15 @@ from doormill_ros.diagnosis.pose.fit import Fitted, fit_causes
 from doormill_ros.diagnosis.pose.model import SeriesFit, rmse
 from doormill_ros.diagnosis.pose.noise import evened
 from doormill_ros.diagnosis.pose.orders import find_orders
-from doormill_ros.diagnosis.pose.selection import MATCHED, REAL, Score, scores
-from doormill_ros.diagnosis.pose.validation import Validation
+from doormill_ros.diagnosis.pose.scale import scaled_members, spared
+from doormill_ros.diagnosis.pose.selection import MATCHED, REAL, SHARE, WORTH, Score, scores
+from doormill_ros.diagnosis.pose.validation import Validation, held_out_fall
 from doormill_ros.measurements.pose_set import PoseSet
 from doormill_ros.robot_model.candidate import number
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
 from doormill_ros.robot_model.pose.causes.hints import Hints, places_of_joints
 from doormill_ros.robot_model.pose.causes.joint_periodic_error import dense_orders
+from doormill_ros.robot_model.pose.causes.link_geometry import LinkGeometry
 from doormill_ros.robot_model.pose.causes.registry import candidates
 from doormill_ros.robot_model.pose.causes.session_step import find_step
 
@@ -33,6 +35,7 @@ class PoseSearch(Search[PoseCause, SeriesFit]):
     Attributes:
         scores: What each cause was worth when it was asked last.
         gone: Causes that left, in the order in which they did.
+        instead: Geometry of links that a scale of the tracker does without.
     """
 
     at_once = 0.5
@@ -42,6 +45,25 @@ class PoseSearch(Search[PoseCause, SeriesFit]):
         self.sets, self.baseline, self.progress = sets, baseline, progress
         self.scores: dict[int, Score] = {}
         self.gone: list[PoseCause] = []
+        self.instead: list[PoseCause] = []
+
+    def run(self, starts: Sequence[SeriesFit] = ()) -> SeriesFit:
+        """The best model; with a scale of the tracker in the place of lengths of links where it predicts as well."""
+        best = super().run(starts)
+        members = scaled_members(best)
+        if members is None:
+            return best
+        self.progress("one share may stand for the lengths of several links")
+        gone = list(self.gone)
+        simpler = self.finished(self._fit(members, best.fitted))
+        fall, left = held_out_fall(best.validation, simpler.validation)
+        if fall.sum() < -max(WORTH, SHARE * left) or members[0] not in simpler.members:
+            self.gone = gone
+            return best
+        self.instead = [
+            cause for cause in best.members if isinstance(cause, LinkGeometry) and spared(cause, members)
+        ]
+        return simpler
 
     def starts(self) -> list[SeriesFit]:
         """Everything that may act, with a whole spectrum of waves where that predicts better than a few."""

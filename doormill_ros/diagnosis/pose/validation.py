@@ -203,3 +203,26 @@ class _Linear:
 def by_block(cost: Sequence[FloatArray]) -> list[FloatArray]:
     """Sums over the contiguous blocks of every series, shape (10,) each, of costs of rows, shape (n,)."""
     return [np.array([part.sum() for part in np.array_split(one, BLOCKS)]) for one in cost]
+
+
+def held_out_fall(before: Validation, after: Validation) -> tuple[FloatArray, float]:
+    """Fall of the cost of blocks left out from one fit to another, by block, and what the other leaves.
+
+    Both in standard deviations of what the other leaves, rows weighed as by the fit that trusts them less.
+
+    Returns:
+        Shape (blocks of all series,), and a sum.
+    """
+    none = np.zeros(0, dtype=int)
+    problem = after.fitted.problem
+    weights = zip(before.fitted.problem.weights, problem.weights, strict=True)
+    weight = [np.minimum(one, other) for one, other in weights]
+    costs = [
+        [
+            w * np.sum((error * problem.scale(series)) ** 2, axis=1)
+            for series, (w, error) in enumerate(zip(weight, fit.residuals(fit.blocks, none), strict=True))
+        ]
+        for fit in (before, after)
+    ]
+    fall = by_block([a - b for a, b in zip(*costs, strict=True)])
+    return np.concatenate(fall), sum(float(part.sum()) for part in costs[1])

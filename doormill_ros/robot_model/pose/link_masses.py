@@ -13,6 +13,7 @@ from pydantic import Field
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.config import read
+from doormill_ros.frames import cross
 from doormill_ros.resources import resource
 from doormill_ros.robot_model.errors import LinkMassError
 from doormill_ros.units import GRAVITY
@@ -64,12 +65,13 @@ def published_masses(robot: str, joints: int = 6) -> tuple[LinkMass, ...]:
     return found if len(found) == joints else ()
 
 
-def gravity_moment(T_base_frames: FloatArray, links: Sequence[LinkMass]) -> FloatArray:
+def gravity_moment(T_base_frames: FloatArray, links: Sequence[LinkMass], down: FloatArray) -> FloatArray:
     """Moment about the origins of frames 0..J-1 of the weight of the links beyond, in frame axes.
 
     Args:
         T_base_frames: Frames 0 to J, shape (n, J + 1, 4, 4).
         links: Masses of the links 1 to J; none for no weight.
+        down: Unit vector along gravity in base axes, shape (3,).
 
     Returns:
         Shape (n, J, 3) [N m].
@@ -83,6 +85,6 @@ def gravity_moment(T_base_frames: FloatArray, links: Sequence[LinkMass]) -> Floa
             weight_moment = weight_moment + link.mass * (T[:, :3, 3] + T[:, :3, :3] @ link.com)
             mass += link.mass
         arm = weight_moment - mass * T_base_frames[:, k, :3, 3]
-        torque = GRAVITY * np.stack([-arm[:, 1], arm[:, 0], np.zeros(n)], axis=1)  # arm x (0, 0, -g)
+        torque = GRAVITY * cross(arm, down)
         out[:, k] = np.einsum("nji,nj->ni", T_base_frames[:, k, :3, :3], torque)
     return out

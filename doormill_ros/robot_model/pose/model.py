@@ -18,6 +18,7 @@ from doormill_ros.robot_model.pose.chain import frames
 from doormill_ros.robot_model.pose.law.term import PoseTerm, Sight
 from doormill_ros.robot_model.pose.layout import design, frame_twists, lay_out
 from doormill_ros.robot_model.pose.link_masses import LinkMass, published_masses
+from doormill_ros.robot_model.pose.stance import UPRIGHT, Stance
 from doormill_ros.robot_model.pose.view import SetView
 
 SCHEMA = "doormill/extended-pose-model/1"
@@ -34,6 +35,7 @@ class PoseModel:
         causes: Established causes that transfer.
         x: Their coefficients in a row.
         laws: What no cause names, with weights, SI.
+        stance: How the robot stands to gravity, and what it carries beyond its links.
     """
 
     robot: str
@@ -42,12 +44,14 @@ class PoseModel:
     causes: tuple[PoseCause, ...]
     x: FloatArray
     laws: tuple[tuple[PoseTerm, FloatArray], ...] = ()
+    stance: Stance = UPRIGHT
 
     def frames(self, view: SetView) -> FloatArray:
         """T_base_k of the displaced frames for a series, shape (n, J + 1, 4, 4).
 
         A law acts with its mean where the view does not hold what drives it.
         """
+        view = view.at(self.stance)
         sight = Sight((view,))
         bases = design(view, lay_out([*self.causes, *(term for term, _ in self.laws)]))
         x = np.concatenate([self.x, *(term.from_values(weights, sight) for term, weights in self.laws)])
@@ -67,7 +71,7 @@ class PoseModel:
         q = np.atleast_2d(np.asarray(q, dtype=float))
         known = np.zeros(q.shape) if motion is None else np.broadcast_to(np.asarray(motion, float), q.shape)
         links = self.links or published_masses(self.robot, len(self.dh))
-        return SetView("", self.dh, links, q, np.arange(len(q)), known)
+        return SetView("", self.dh, links, q, np.arange(len(q)), known, stance=self.stance)
 
 
 def model_document(model: PoseModel, source: str, others: Sequence[dict[str, Any]] = ()) -> dict[str, Any]:
@@ -84,6 +88,7 @@ def model_document(model: PoseModel, source: str, others: Sequence[dict[str, Any
         "source": source,
         "dh": [[float(v) for v in row] for row in model.dh],
         "links": [{"mass": float(k.mass), "com": [float(v) for v in k.com]} for k in model.links],
+        **({} if model.stance is UPRIGHT else {"stance": model.stance.document()}),
         "causes": causes,
         "series": list(others),
         **({"laws": [term.document(weights) for term, weights in model.laws]} if model.laws else {}),
@@ -111,4 +116,5 @@ def _model(document: dict[str, Any]) -> PoseModel:
     if dh.ndim != 2 or dh.shape[1] != 4 or len(x) != lay_out(causes).size or not np.all(np.isfinite(x)):
         raise ValueError("the table or the coefficients have the wrong size")
     laws = tuple(PoseTerm.read(entry) for entry in document.get("laws", ()))
-    return PoseModel(str(document["robot"]), dh, links, causes, x, laws)
+    stance = Stance.read(document["stance"]) if "stance" in document else UPRIGHT
+    return PoseModel(str(document["robot"]), dh, links, causes, x, laws, stance)

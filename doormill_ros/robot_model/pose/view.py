@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from doormill_ros.arrays import FloatArray, IntArray
+from doormill_ros.frames import cross
 from doormill_ros.robot_model.pose.chain import frames, link_transforms
 from doormill_ros.robot_model.pose.link_masses import LinkMass, gravity_moment
+from doormill_ros.robot_model.pose.stance import UPRIGHT, Stance
 
 #: Motion that turns a play from one flank to the other [rad]: shorter moves are taken in proportion.
 CROSSING = 2e-3
@@ -29,6 +31,7 @@ class SetView:
         time: Since the start of the series, shape (n,) [s], NaN where not recorded; None for postures that
             nobody measured.
         temperature: Likewise [deg C].
+        stance: How the robot stands to gravity, and what it carries.
     """
 
     name: str
@@ -39,6 +42,7 @@ class SetView:
     motion: FloatArray | None = None
     time: FloatArray | None = None
     temperature: FloatArray | None = None
+    stance: Stance = UPRIGHT
 
     def __len__(self) -> int:
         return len(self.q)
@@ -46,10 +50,19 @@ class SetView:
     def every(self, step: int) -> SetView:
         """Every so many-th posture, with the motion that brought the robot there."""
         some = slice(None, None, step)
-        course = [None if one is None else one[some] for one in (self.time, self.temperature)]
-        return SetView(
-            self.name, self.dh, self.links, self.q[some], self.row[some], self.last_motion[some], *course
+        time, temperature = (None if one is None else one[some] for one in (self.time, self.temperature))
+        return replace(
+            self,
+            q=self.q[some],
+            row=self.row[some],
+            motion=self.last_motion[some],
+            time=time,
+            temperature=temperature,
         )
+
+    def at(self, stance: Stance) -> SetView:
+        """The same postures of a robot that stands or carries otherwise."""
+        return self if stance is self.stance else replace(self, stance=stance)
 
     @property
     def joints(self) -> int:
@@ -88,14 +101,14 @@ class SetView:
         """
         T = self.T_base_frames
         axis = T[:, k - 1, :3, 2]
-        down = np.column_stack([axis[:, 1], -axis[:, 0], np.zeros(len(axis))])  # (0, 0, -1) x axis
-        levers: FloatArray = np.einsum("nkji,nj->nki", T[:, k:, :3, :3], down).reshape(len(axis), -1)
+        turning = cross(self.stance.down, axis)
+        levers: FloatArray = np.einsum("nkji,nj->nki", T[:, k:, :3, :3], turning).reshape(len(axis), -1)
         return levers
 
     @cached_property
     def gravity_moment(self) -> FloatArray:
         """Moment of the weight of all links beyond frame k about its origin, frame axes, (n, J, 3) [N m]."""
-        return gravity_moment(self.T_base_frames, self.links)
+        return gravity_moment(self.T_base_frames, self.stance.carried(self.links), self.stance.down)
 
 
 def last_motion(q: FloatArray, row: IntArray, crossing: float = CROSSING) -> FloatArray:

@@ -95,7 +95,7 @@ def test_gravity_moment_is_the_slope_of_the_energy(q, invented):
         LinkMass(2.0, np.array([0.0, 0.007, 0.018])),
         LinkMass(0.4, np.array([0.0, 0.0, -0.026])),
     ]
-    moment = gravity_moment(frames(link_transforms(invented["dh"], q)), from_set)
+    moment = gravity_moment(frames(link_transforms(invented["dh"], q)), from_set, np.array([0.0, 0.0, -1.0]))
     for k in range(1, 7):
         by_energy = [invented["torque"](one, k) for one in q]
         np.testing.assert_allclose(moment[:, k - 1, 2], by_energy, atol=1e-5)

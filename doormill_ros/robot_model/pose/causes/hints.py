@@ -22,12 +22,14 @@ class Hints:
         orders: Waves a turn to look for in a joint's own angle, by place of the joint.
         steps: First row after a step by index of the series, where one is suspected.
         drift: Whether to look for slow displacements within a series.
+        scaled: Whether one share may stand for the lengths of several links.
     """
 
     sets: Sequence[SetView]
     orders: Mapping[str, Sequence[int]]
     steps: Mapping[int, int] = field(default_factory=dict)
     drift: bool = True
+    scaled: bool = False
 
     @property
     def joints(self) -> tuple[str, ...]:

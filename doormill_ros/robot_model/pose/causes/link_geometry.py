@@ -16,6 +16,8 @@ from doormill_ros.robot_model.pose.view import SetView
 
 #: Joint axes within this angle count as parallel: Hayati's angle beta replaces the offset d [rad].
 PARALLEL = 0.05
+#: Parameters that are lengths.
+LENGTHS = ("d", "a")
 _UNITS = {"theta": "rad", "d": "m", "a": "m", "alpha": "rad", "beta": "rad"}
 
 
@@ -24,18 +26,24 @@ class LinkGeometry(PoseCause):
 
     Theta and d of link 1 and everything of the last link are the same as a displaced robot or target: they belong
     to the placement and are not fitted.
+
+    Attributes:
+        names: Parameters that are fitted.
+        hidden: Those that a placement tells.
+        drawn: Lengths that are as drawn, but for a scale of everything.
     """
 
     name = "link_geometry"
 
-    def __init__(self, where: str, dh: FloatArray) -> None:
+    def __init__(self, where: str, dh: FloatArray, drawn: Sequence[str] = ()) -> None:
         """Choose what can be told from the placement."""
         super().__init__(where)
         k = number(where)
         parallel = k < len(dh) and abs(np.sin(dh[k - 1, 3])) < PARALLEL
         names = ("theta", "a", "alpha", "beta") if parallel else ("theta", "d", "a", "alpha")
         self.hidden = {1: ("theta", "d"), len(dh): names}.get(k, ())
-        self.names = tuple(name for name in names if name not in self.hidden)
+        self.drawn = tuple(drawn)
+        self.names = tuple(name for name in names if name not in (*self.hidden, *drawn))
 
     @classmethod
     def candidates(cls, hints: Hints) -> Sequence[PoseCause]:
@@ -45,7 +53,12 @@ class LinkGeometry(PoseCause):
     @classmethod
     def build(cls, where: str, settings: Mapping[str, Any], dh: FloatArray) -> PoseCause:
         """With the model's table."""
-        return cls(where, dh)
+        return cls(where, dh, settings.get("drawn", ()))
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """Lengths that are as drawn, where there are any."""
+        return {"drawn": list(self.drawn)} if self.drawn else {}
 
     @property
     def coefficients(self) -> tuple[Coefficient, ...]:

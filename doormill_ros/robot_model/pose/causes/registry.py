@@ -15,6 +15,7 @@ from doormill_ros.robot_model.pose.causes.joint_wobble import JointWobble
 from doormill_ros.robot_model.pose.causes.link_geometry import LinkGeometry
 from doormill_ros.robot_model.pose.causes.session_step import SessionStep
 from doormill_ros.robot_model.pose.causes.thermal_drift import PoseDrift
+from doormill_ros.robot_model.pose.causes.tracker_scale import PoseTrackerScale
 
 LIBRARY: tuple[type[PoseCause], ...] = (
     LinkGeometry,
@@ -24,6 +25,7 @@ LIBRARY: tuple[type[PoseCause], ...] = (
     PoseBacklash,
     PoseDrift,
     SessionStep,
+    PoseTrackerScale,
 )
 
 
