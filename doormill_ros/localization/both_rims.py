@@ -213,7 +213,7 @@ def find_borders(
             check_placed(edge, rim, view.pixel)
             spread = replace(one.wide(), blur=rim.blur, misfit=rim.misfit)
             checks.check_spread(edge, spread, streaks, settings)
-            shift = rim.shift - (rim.width if inner[edge] else 0.0)
+            shift = rim.shift - (rim.width if inner[edge] or rim.gap else 0.0)
             room = rim.width if rim.width > _ROOM else np.inf
             out[edge] = Border(shift, rim.deviation, spread, room, inner[edge])
     check_alike({edge: one.rim for edge, one in seen.items()}, {e: one.blur() for e, one in seen.items()})

@@ -186,7 +186,7 @@ class _Edge:
                 k += 1
         elif k and self._framed(other):
             raise self.doubt(0, k)
-        elif rest and self._turns_round(k, other):
+        elif rest and (self._turns_round(k, other) or self._ends_with_face(k, other)):
             raise self.doubt(k, k + 1)
         return self.lines[k]
 
@@ -253,6 +253,11 @@ class _Edge:
             return False
         beyond = other.lines[other.first].at(strip.middle) - strip.end
         return abs(strip.level - self.back) > _LEAST and abs(beyond - self._width(k)) < _TOGETHER
+
+    def _ends_with_face(self, k: int, other: _Edge) -> bool:
+        """Whether strip k, hardly brighter or darker than the background, ends just where a band on the face would."""
+        faint = bool(self.ends[k]) and abs(self.strips[k].level - self.back) > _LEAST
+        return faint and self._flush(k, other)
 
     def _width(self, k: int) -> float:
         """Of a strip at the corner [m]."""

@@ -46,6 +46,7 @@ class Rim:
         brightness: Rim minus face, as a share of face minus background; negative when darker.
         blur: Standard deviation of the point spread [px].
         misfit: RMS difference of the mean profile from the two steps, as a share of their sum.
+        gap: Whether what lies beyond differs from the face the other way round: then it is a gap before another thing.
     """
 
     shift: float
@@ -54,6 +55,7 @@ class Rim:
     brightness: float
     blur: float
     misfit: float
+    gap: bool = False
 
 
 def suspicious(spread: Spread, streaks: float) -> bool:
@@ -106,7 +108,10 @@ def find_rim(spread: Spread, streaks: float, sharp: float | None = None) -> Rim 
         ramp = fit_ramp(profile, weight, 0.9 * width, blur).misfit
         if two > _BETTER * ramp:
             return None
-    return Rim(shift, best.deviation * max(two, 1.0), width, brightness, blur, two * _MODEL)
+    gap = total < 0.0 < best.heights[1]
+    if gap and two > _CLEAR:
+        return None
+    return Rim(shift, best.deviation * max(two, 1.0), width, brightness, blur, two * _MODEL, bool(gap))
 
 
 def _symmetric(spread: Spread, weight: FloatArray) -> float:

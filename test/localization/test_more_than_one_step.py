@@ -26,17 +26,48 @@ ACCEPTED = (
     ("dark arris", 68, "0.306 mm", "outside of the corner lies a spot 0.22 mm wide"),
     ("dark arris", 87, "0.172 mm", "outside of the corner lies a spot 0.18 mm wide"),
 )
+#: Of other seeds: condition, number, seed, how wrong they were.
+FOUND = (
+    ("edge band 0.4 to 1 mm", 66, 40013, "0.538 mm"),
+    ("bright arris", 6, 777, "0.138 mm"),
+    ("bright arris", 73, 40013, "5.2 deviations"),
+    ("rail behind, along the edge", 48, 50021, "1.078 mm"),
+)
 FACE, BACK = Surface(0.55), Surface(0.2)
+
+
+def picture_of(condition, number, seed):
+    item = next(itertools.islice(pictures(condition, number + 1, seed), number, None))
+    return item, render_picture(item.scene, item.seed)
+
+
+def refused(item, picture, camera, layout):
+    with pytest.raises(WrongEdge) as reason:
+        localize(picture, camera, layout, item.scene.width, item.thickness, settings=item.settings)
+    assert reason.value.data["marks"]
+    return str(reason.value)
 
 
 @pytest.mark.parametrize(("condition", "number", "was", "tells"), ACCEPTED, ids=lambda value: str(value))
 def test_what_is_more_than_one_step_is_refused_and_shown(condition, number, was, tells, camera, layout):
-    item = next(itertools.islice(pictures(condition, number + 1, 20001), number, None))
-    picture = render_picture(item.scene, item.seed)
-    with pytest.raises(WrongEdge) as reason:
-        localize(picture, camera, layout, item.scene.width, item.thickness, settings=item.settings)
-    assert tells in str(reason.value)
-    assert reason.value.data["marks"]
+    assert tells in refused(*picture_of(condition, number, 20001), camera, layout)
+
+
+def test_a_band_nearly_as_dark_as_the_background_that_ends_with_the_face_is_refused(camera, layout):
+    told = refused(*picture_of("edge band 2 mm", 78, 50021), camera, layout)  # 2.949 mm off before
+    assert "two steps 2.9 mm apart may be the bottom edge" in told
+
+
+@pytest.mark.parametrize(("condition", "number", "seed", "was"), FOUND, ids=lambda value: str(value))
+def test_the_edge_is_found_beside_another_step(condition, number, seed, was, camera, layout):
+    item, picture = picture_of(condition, number, seed)
+    found = localize(picture, camera, layout, item.scene.width, item.thickness, settings=item.settings)
+    true = item.scene.offset
+    error = np.array(
+        [found.offset.y - true.y, found.offset.z - true.z, found.offset.rotation - true.rotation]
+    )
+    assert np.hypot(*error[:2]) < 0.05 * MM
+    assert error @ np.linalg.solve(found.covariance, error) < 3.0**2
 
 
 def scene(turn: float, factor: float, width: float) -> PictureScene:

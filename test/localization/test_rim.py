@@ -40,6 +40,15 @@ def test_outer_border_of_a_rim(width, brightness):
     assert rim.brightness == pytest.approx(brightness, abs=0.1)
 
 
+@pytest.mark.parametrize(("beyond", "gap"), [(1.3, True), (1.05, True), (0.7, False)])
+@pytest.mark.parametrize("width", [6.0, 8.0, 10.0])
+def test_beyond_a_gap_may_stand_what_is_brighter_than_the_face(width, beyond, gap):
+    rim = find_rim(spread(soft(0.0, 1.0) - beyond * soft(width, 1.0)), 0.0)  # 0 is the face, 1 the gap
+    assert rim is not None
+    assert rim.gap is gap
+    assert rim.shift - rim.width == pytest.approx(0.0, abs=0.05)
+
+
 def test_one_step_has_no_rim():
     assert find_rim(spread(soft(0.2, 1.3)), 0.0) is None
 
