@@ -12,6 +12,8 @@ from pathlib import Path
 from support.source_tree import ROOT
 
 TOOLS = tuple(sorted(p.stem for p in (ROOT / "doormill_ros" / "tools").glob("*.py") if p.stem[0] != "_"))
+#: What blocks of commands are marked with; an unmarked one may be one.
+SHELL = ("", "bash", "sh")
 #: What a reader has to replace: words in capitals, lists, choices and what may be left out.
 OPEN = re.compile(r"(?<![\w$-])[A-Z][A-Z0-9]*(?![\w=])|\.\.\.|[\[\]()|*$]|MOVES")
 
@@ -37,7 +39,8 @@ class Command:
 def commands_of(page: Path) -> list[Command]:
     """What a page tells to type: lines of its blocks, and code in its sentences."""
     text = page.read_text(encoding="utf-8")
-    fenced = re.findall(r"```(?:bash|sh)?\n(.*?)```", text, re.DOTALL)
+    blocks = re.findall(r"^ *```(\w*)\n(.*?)^ *```", text, re.DOTALL | re.MULTILINE)
+    fenced = [block for language, block in blocks if language in SHELL]
     indented = re.findall(r"^ {4}(\S.*)$", re.sub(r"```.*?```", "", text, flags=re.DOTALL), re.MULTILINE)
     typed = [line.strip() for block in fenced for line in block.replace("\\\n", " ").splitlines()] + indented
     inline = [
