@@ -47,9 +47,8 @@ class PoseSearch(Search[PoseCause, SeriesFit]):
         self.gone: list[PoseCause] = []
         self.instead: list[PoseCause] = []
 
-    def run(self, starts: Sequence[SeriesFit] = ()) -> SeriesFit:
-        """The best model; with a scale of the tracker in the place of lengths of links where it predicts as well."""
-        best = super().run(starts)
+    def simpler(self, best: SeriesFit) -> SeriesFit:
+        """The model, with a scale of the tracker in the place of lengths of links where it predicts as well."""
         members = scaled_members(best)
         if members is None:
             return best
