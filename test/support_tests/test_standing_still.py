@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -32,6 +33,7 @@ def test_its_process_ends(where: str, tmp_path: Path) -> None:
     done = subprocess.run(
         [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-q", "test_it.py"],
         cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(ROOT / "test")},  # what the settings themselves need
         capture_output=True,
         text=True,
         timeout=120,
