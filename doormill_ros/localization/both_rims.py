@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from types import MappingProxyType
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
@@ -170,7 +169,7 @@ def find_borders(
     view: FaceView,
     reads: dict[str, EdgeRead],
     settings: LocalizerSettings,
-    known: Mapping[str, Border] = MappingProxyType({}),
+    known: Mapping[str, Border] | None = None,
 ) -> dict[str, Border]:
     """The edges of the face, where rims lie along them or not.
 
@@ -196,7 +195,7 @@ def find_borders(
                 one.look(sharp)
     _look_for_arrises(view, seen)
     # Read again at one of its steps an edge shows that one alone, and tells nothing any more of the other edge's.
-    inner = {e: one.inner for e, one in known.items()} or _inside_of_rims(picture, view, seen)
+    inner = {e: one.inner for e, one in known.items()} if known else _inside_of_rims(picture, view, seen)
     out = {}
     for edge, one in seen.items():
         read, rim = one.read, one.rim

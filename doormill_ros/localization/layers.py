@@ -252,12 +252,15 @@ class _Edge:
         if strip.end is None or not np.isfinite(strip.end) or not self.like_background(strip):
             return False
         beyond = other.lines[other.first].at(strip.middle) - strip.end
-        return abs(strip.level - self.back) > _LEAST and abs(beyond - self._width(k)) < _TOGETHER
+        return self._seen(strip) and abs(beyond - self._width(k)) < _TOGETHER
 
     def _ends_with_face(self, k: int, other: _Edge) -> bool:
         """Whether strip k, hardly brighter or darker than the background, ends just where a band on the face would."""
-        faint = bool(self.ends[k]) and abs(self.strips[k].level - self.back) > _LEAST
-        return faint and self._flush(k, other)
+        return bool(self.ends[k]) and self._seen(self.strips[k]) and self._flush(k, other)
+
+    def _seen(self, strip: _Strip) -> bool:
+        """Whether a strip differs from the background by so much that its border can be placed."""
+        return abs(strip.level - self.back) > _LEAST
 
     def _width(self, k: int) -> float:
         """Of a strip at the corner [m]."""

@@ -90,21 +90,18 @@ def check(read, folder: Path, spoil, *words: str) -> None:
 JOINTS = [f"q{k}" for k in range(1, 7)]
 
 
-def test_poses_in_degrees(poses):
-    check(
-        read_pose_set, poses, lambda: scale(poses / "poses.csv", JOINTS, DEGREES), "column q", "write radians"
-    )
-
-
-def test_poses_in_millimetres(poses):
-    columns = ["x", "y", "z"]
-    check(
-        read_pose_set,
-        poses,
-        lambda: scale(poses / "poses.csv", columns, MILLIMETRES),
-        "column",
-        "write metres",
-    )
+@pytest.mark.parametrize(
+    ("kind", "read", "table", "columns", "factor", "words"),
+    [
+        ("poses", read_pose_set, "poses.csv", JOINTS, DEGREES, ("column q", "write radians")),
+        ("poses", read_pose_set, "poses.csv", ["x", "y", "z"], MILLIMETRES, ("column", "write metres")),
+        ("loading", read_measurement_set, "trials.csv", JOINTS, DEGREES, ("column q", "write radians")),
+        ("loading", read_measurement_set, "trials.csv", ["dx", "dy", "dz"], MILLIMETRES, ("column d", "write metres")),
+    ],
+)  # fmt: skip
+def test_columns_in_other_units(kind, read, table, columns, factor, words, request):
+    folder = request.getfixturevalue(kind)
+    check(read, folder, lambda: scale(folder / table, columns, factor), *words)
 
 
 @pytest.mark.parametrize(
@@ -127,27 +124,6 @@ def test_motions_in_degrees(motion, column):
 
     turn(np.pi / 2)
     check(read_motion_set, motion, lambda: turn(90.0), f"column {column}", "write radians")
-
-
-def test_loading_in_degrees(loading):
-    check(
-        read_measurement_set,
-        loading,
-        lambda: scale(loading / "trials.csv", JOINTS, DEGREES),
-        "column q",
-        "write radians",
-    )
-
-
-def test_displacements_in_millimetres(loading):
-    columns = ["dx", "dy", "dz"]
-    check(
-        read_measurement_set,
-        loading,
-        lambda: scale(loading / "trials.csv", columns, MILLIMETRES),
-        "column d",
-        "write metres",
-    )
 
 
 def test_one_reflector_that_was_knocked_off_is_no_file_in_millimetres(loading):
