@@ -14,7 +14,8 @@ from doormill_ros.resources import resource
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot_model.elastic.joint_springs import JointSpringModel
 from doormill_ros.simulation.controller.arm import ControllerArm
-from doormill_ros.simulation.controller.controller import OWN_MODULES, VirtualController
+from doormill_ros.simulation.controller.controller import VirtualController
+from doormill_ros.simulation.controller.installed import OWN_MODULES
 from doormill_ros.simulation.controller.process import module_process
 from doormill_ros.simulation.controller.rapid.parser import parse_module
 from doormill_ros.simulation.truth.robot import TruthRobot

@@ -15,7 +15,8 @@ from doormill_ros.resources import resource
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot_model.elastic.joint_springs import JointSpringModel
 from doormill_ros.simulation.controller.arm import ControllerArm
-from doormill_ros.simulation.controller.controller import OWN_MODULES, VirtualController
+from doormill_ros.simulation.controller.controller import VirtualController
+from doormill_ros.simulation.controller.installed import OWN_MODULES, read_installed
 from doormill_ros.simulation.controller.rapid.faults import RapidStop
 from doormill_ros.simulation.controller.rapid.parser import parse_module
 from doormill_ros.simulation.controller.rapid.program import RapidProgram
@@ -256,7 +257,11 @@ def controller(tmp_path: Path, arm: ControllerArm) -> Callable[..., WatchedContr
     """A controller with the project's modules, HOME: in tmp_path, a rigid robot, and a willing PC."""
 
     def controller_(**kwargs) -> WatchedController:
-        return WatchedController(kwargs.pop("home", tmp_path), arm, **{"expected_door": "*", **kwargs})
+        files = {
+            n: kwargs.pop(n) for n in ("modules", "io_configuration", "system_parameters") if n in kwargs
+        }
+        options = {"expected_door": "*", "installed": read_installed(**files), **kwargs}
+        return WatchedController(options.pop("home", tmp_path), arm, **options)
 
     return controller_
 

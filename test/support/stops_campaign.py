@@ -35,6 +35,7 @@ from doormill_ros.robot_model.elastic.joint_springs import JointSpringModel
 from doormill_ros.simulation.controller.arm import ControllerArm
 from doormill_ros.simulation.controller.cell import DOOR_CLAMPED, SPINDLE_AT_SPEED
 from doormill_ros.simulation.controller.controller import VirtualController
+from doormill_ros.simulation.controller.installed import read_installed
 from doormill_ros.simulation.controller.io_port import FolderIo
 from doormill_ros.simulation.controller.limits import ControllerLimits
 from doormill_ros.simulation.controller.operation.panel import ControlPanel
@@ -219,8 +220,7 @@ class Run:
             ControllerArm(robot.dh, robot.lower, robot.upper, robot.max_velocity),
             io=FolderIo(home),
             limits=limits,
-            modules=modules,
-            system_parameters=resource("rapid/SYS.cfg"),
+            installed=read_installed(modules, system_parameters=resource("rapid/SYS.cfg")),
             expected_door=incident.door,
             on_wait=lambda _: None,
             on_stopped=lambda _: None,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
@@ -10,26 +10,22 @@ import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.cell.layout import CellLayout, load_layout
-from doormill_ros.resources import resource
 from doormill_ros.simulation.controller.arm import ControllerArm
 from doormill_ros.simulation.controller.cell import SimulatedCell
 from doormill_ros.simulation.controller.clock import ControllerClock, Pace
-from doormill_ros.simulation.controller.event_routines import check_event_routines, read_event_routines
+from doormill_ros.simulation.controller.event_routines import check_event_routines
 from doormill_ros.simulation.controller.executed_path import ExecutedPath
-from doormill_ros.simulation.controller.io_configuration import read_io_configuration
+from doormill_ros.simulation.controller.installed import Installed, read_installed
 from doormill_ros.simulation.controller.io_port import IoPort, MemoryIo
 from doormill_ros.simulation.controller.limits import ControllerLimits, load_limits
 from doormill_ros.simulation.controller.motion import MotionEngine
 from doormill_ros.simulation.controller.moves import MotionContext, MovePlanner
-from doormill_ros.simulation.controller.operation.configuration import read_system_outputs
 from doormill_ros.simulation.controller.operation.execution import Execution
 from doormill_ros.simulation.controller.operation.outputs import OutputMemory
 from doormill_ros.simulation.controller.operation.panel import ControlPanel
 from doormill_ros.simulation.controller.process import Process, WrenchOf, module_process
 from doormill_ros.simulation.controller.rapid.errors import RapidStoppedError
-from doormill_ros.simulation.controller.rapid.kept import shipped_modules
 from doormill_ros.simulation.controller.rapid.program import RapidProgram
-from doormill_ros.simulation.controller.rapid.syntax import Module
 from doormill_ros.simulation.controller.recorded_path import build_executed_path
 from doormill_ros.simulation.controller.recording import MotionRecording, Sampling
 from doormill_ros.simulation.controller.task_machine import LogEntry, TaskMachine
@@ -38,12 +34,6 @@ from doormill_ros.simulation.controller.tool_rack import ToolRack
 from doormill_ros.simulation.truth.robot import TruthRobot
 from doormill_ros.units import deg_to_rad
 
-#: What the project ships for the controller.
-OWN_MODULES = tuple(
-    f"rapid/Door{name}.mod"
-    for name in ("Text", "Cell", "Stop", "Back", "Tool", "Link", "Path", "Line", "File", "Mill")
-)
-IO_CONFIGURATION = "rapid/EIO.cfg"
 #: PERS of DoorLink.mod that names the door in the cell.
 EXPECTED_DOOR = "expectedDoor"
 #: Where the robot stands when the controller is switched on: the home position of DoorCell.mod.
@@ -69,11 +59,9 @@ class VirtualController(TaskMachine):
         arm: ControllerArm,
         truth: TruthRobot | None = None,
         *,
-        modules: Sequence[str | Path] | None = None,
+        installed: Installed | None = None,
         io: IoPort | None = None,
         process: Process | None = None,
-        io_configuration: Path | None = None,
-        system_parameters: Path | None = None,
         sampling: Sampling | None = None,
         limits: ControllerLimits | None = None,
         start: FloatArray = HOME_POSITION,
@@ -86,17 +74,15 @@ class VirtualController(TaskMachine):
         on_time: Callable[[VirtualController], None] | None = None,
         on_stopped: Callable[[VirtualController], None] | None = None,
     ) -> None:
-        """Load modules and stand at the start position, motors on, in automatic mode.
+        """Load the modules and stand at the start position, motors on, in automatic mode.
 
         Args:
             home: Folder behind HOME:.
             arm: The robot as the controller believes it to be.
             truth: The robot as it is; None for one exactly as the controller believes.
-            modules: Module files; None for the project's own.
+            installed: Modules and system parameters; None for the project's own.
             io: Signals of the handshake; None keeps them in memory.
             process: Which motions cut and how hard; None cuts air with the project's own module.
-            io_configuration: EIO.cfg; None for the project's own.
-            system_parameters: SYS.cfg with the event routines; None for that of the project's own modules.
             sampling: How finely the executed path is recorded.
             limits: What is refused of motions; None for config/controller.yaml.
             start: Joint angles at the start, shape (6,) [rad].
@@ -112,19 +98,18 @@ class VirtualController(TaskMachine):
                 that stopped with an error waits for "PP to main" instead of raising it.
 
         Raises:
-            AbbError: What the modules or the I/O configuration do wrong, with file and line.
+            AbbError: What the modules do wrong, with file and line.
             ControllerLimitsError: The limits cannot be read.
         """
         self._home = Path(home)
         self._arm = arm
         self._truth = truth or TruthRobot(arm.dh)
         self._rigid = truth is None
-        eio = io_configuration or resource(IO_CONFIGURATION)
-        configuration = read_io_configuration(eio)
+        installed = installed or read_installed()
         self.io: IoPort = io or MemoryIo()
         layout = layout or load_layout()
         rack = ToolRack(layout.rack, lambda q: arm.forward(q)[0])
-        self.cell = SimulatedCell(configuration, self.io, rack, lambda: arm.forward(self._engine.q)[0])
+        self.cell = SimulatedCell(installed.signals, self.io, rack, lambda: arm.forward(self._engine.q)[0])
         self._process = process or module_process()
         #: Lines, dialogs and who answers them.
         self.teach_pendant = TeachPendant()
@@ -147,8 +132,8 @@ class VirtualController(TaskMachine):
         self._debt = 0.0
         self._moves = 0
         outputs = OutputMemory(
-            [name for name, signal in configuration.signals.items() if signal.output],
-            configuration.safe_outputs,
+            [name for name, signal in installed.signals.signals.items() if signal.output],
+            installed.signals.safe_outputs,
             self.cell.read,
             self.cell.force,
         )
@@ -156,18 +141,11 @@ class VirtualController(TaskMachine):
         self.execution = Execution(
             self, self._engine, self._clock, self.panel, outputs, self.log, limits, on_stopped is not None
         )
-        self._clock.system = read_system_outputs(eio)
-        paths = [resource(name) for name in OWN_MODULES] if modules is None else [Path(m) for m in modules]
-        texts = tuple((path.name, _module_text(path)) for path in paths)
-        self._modules = shipped_modules(texts) if modules is None else _parsed(texts)
+        self._clock.system = installed.outputs
+        self._modules = installed.modules
         self.program = RapidProgram(self._modules, self)
-        shipped = resource(IO_CONFIGURATION).with_name("SYS.cfg")
-        if system_parameters is None and modules is None and shipped.is_file():
-            system_parameters = shipped
-        if system_parameters is not None:
-            routines = read_event_routines(system_parameters)
-            check_event_routines(routines, self.program)
-            self.execution.event_routines = routines
+        check_event_routines(installed.event_routines, self.program)
+        self.execution.event_routines = installed.event_routines
         if expected_door is not None:
             self.program.write(EXPECTED_DOOR, f'"{expected_door}"')
 
@@ -264,17 +242,3 @@ class VirtualController(TaskMachine):
     def _time_passed(self) -> None:
         if self._on_time is not None:
             self._on_time(self)
-
-
-def _parsed(texts: Iterable[tuple[str, str]]) -> tuple[Module, ...]:
-    """Modules of somebody's own, by what messages call them and their texts."""
-    from doormill_ros.simulation.controller.rapid.parser import (
-        parse_module,  # late: those that ship are kept parsed
-    )
-
-    return tuple(parse_module(text, file) for file, text in texts)
-
-
-def _module_text(path: Path) -> str:
-    """A module as text; controllers write ISO 8859-1."""
-    return path.read_bytes().decode("latin-1")

@@ -8,6 +8,7 @@ a function, or has parameters is refused, and that an event takes twenty routine
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from pathlib import Path
 
 from doormill_ros.abb.errors import AbbError
@@ -78,7 +79,7 @@ def _entry(path: Path, line: int, keys: dict[str, str]) -> tuple[str, float, str
     return EVENTS[keys["Shelf"]], float(order), keys["Routine"], None if everywhere else keys["Task"]
 
 
-def check_event_routines(routines: dict[str, tuple[str, ...]], program: RapidProgram) -> None:
+def check_event_routines(routines: Mapping[str, tuple[str, ...]], program: RapidProgram) -> None:
     """Refuse event routines that the loaded modules do not have.
 
     Raises:

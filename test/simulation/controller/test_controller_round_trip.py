@@ -57,9 +57,10 @@ def joint_angles(draw, regular: bool = False):
 def reader(tmp_path_factory, arm):
     """One controller whose ReadTargetFile is called again and again."""
     from doormill_ros.simulation.controller.controller import VirtualController
+    from doormill_ros.simulation.controller.installed import read_installed
 
     home = tmp_path_factory.mktemp("home")
-    return VirtualController(home, arm, modules=reading_modules(home), expected_door="*")
+    return VirtualController(home, arm, installed=read_installed(reading_modules(home)), expected_door="*")
 
 
 def assert_same_joints(told, q) -> None:

@@ -11,7 +11,7 @@ import pytest
 from doormill_ros.abb import signals
 from doormill_ros.abb.target_file.target_file import render_target_file
 from doormill_ros.resources import resource
-from doormill_ros.simulation.controller.controller import OWN_MODULES
+from doormill_ros.simulation.controller.installed import OWN_MODULES
 from doormill_ros.simulation.controller.limits import load_limits
 from doormill_ros.simulation.controller.rapid.errors import RapidMotionError
 

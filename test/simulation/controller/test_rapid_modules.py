@@ -20,8 +20,8 @@ from doormill_ros.abb.target_file import line as target_line
 from doormill_ros.abb.target_file import move as target_move
 from doormill_ros.abb.target_file import trailer as target_trailer
 from doormill_ros.resources import resource
-from doormill_ros.simulation.controller.controller import OWN_MODULES
 from doormill_ros.simulation.controller.event_routines import read_event_routines
+from doormill_ros.simulation.controller.installed import OWN_MODULES
 from doormill_ros.simulation.controller.io_configuration import read_io_configuration
 from doormill_ros.simulation.controller.rapid import syntax as s
 from doormill_ros.simulation.controller.rapid.parser import parse_module

@@ -15,7 +15,6 @@ from collections.abc import Callable
 
 from doormill_ros.abb import signals
 from doormill_ros.abb.errors import AbbError
-from doormill_ros.resources import resource
 from doormill_ros.robot.description import load_robot
 from doormill_ros.simulation.controller.arm import ControllerArm
 from doormill_ros.simulation.controller.cell import DOOR_CLAMPED
@@ -72,7 +71,6 @@ class RapidRobot:
             arm,
             io=self.io,
             on_stopped=self._operate,
-            system_parameters=resource("rapid/SYS.cfg"),
         )
         self.controller.told = self._moved
         self.controller.teach_pendant.operator = self._answer
