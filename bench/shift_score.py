@@ -32,9 +32,8 @@ from loop_words import print_loops, print_sum, walls_of
 from support.shift_loop import LoopWorth, knowing, loop_worth
 from support.shift_worlds import NEAR, OWED, DrawnShift, Judged, diagnosed, draw_shift, judged, sizes
 
-RIGHT = (
-    0.9  #: share of hidden causes that have to be right, and of loops that may leave no more than they should
-)
+#: Share of hidden causes that have to be right, and of loops that may leave no more than they should
+RIGHT = 0.9
 GAP, WARM, REST = "shifts with a gap", "shifts that warm up", "all other shifts"
 MORNING = "the morning after shifts that warm up"
 #: Shifts that are counted by themselves: where a gap closes the mill steps aside, and what is warm changes by the door.

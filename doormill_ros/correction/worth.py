@@ -25,9 +25,8 @@ from doormill_ros.robot.description import Robot
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot_model.elastic.compliance import ComplianceModel, StandingSpread
 
-UNSTATED = (
-    0.3  #: standard deviation of a spring of which the robot's description states none, as a share of it
-)
+#: Standard deviation of a spring of which the robot's description states none, as a share of it
+UNSTATED = 0.3
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,22 +21,18 @@ from doormill_ros.statistics import median
 from doormill_ros.units import m_to_mm
 
 _ALIKE = 0.19  # surfaces whose brightness differs by less in its logarithm may be of one plane and one light
-_BEYOND = (
-    0.03  # a strip further from the background than the face by that share of their difference lies before it
-)
-_BACKGROUND = (
-    0.2  # a strip nearer to the background than that share of the face's difference from it is background
-)
+# A strip further from the background than the face by that share of their difference lies before it
+_BEYOND = 0.03
+# A strip nearer to the background than that share of the face's difference from it is background
+_BACKGROUND = 0.2
 _LEAST = 5.0  # grey levels between two surfaces of which the border can be placed
 _TOGETHER = 0.25e-3  # a strip that ends so near to the other edge ends with it [m]
 _TWIN = 0.7  # strips along both edges that are one differ by less than that factor in width
 _CROSSED = 0.07  # strips fainter than that in the logarithm tell nothing where they cross
 _BRIGHT = 225.0  # strips brighter than that may be clipped where they cross [grey levels]
 _ACROSS = np.linspace(0.3, 0.7, 5)  # where across a strip it is read, as shares of its width
-_END = (
-    -6.0e-3,
-    4.0e-3,
-)  # where a strip's end is looked for, beyond the other edge's outermost and innermost line [m]
+# Where a strip's end is looked for, beyond the other edge's outermost and innermost line [m]
+_END = (-6.0e-3, 4.0e-3)
 _CLOSE = (-1.2e-3, 1.5e-3)  # the same for an end that is to be placed exactly [m]
 _TOLD, _AS_FLUSH = 0.06e-3, 0.33  # a bevel's end is seen from so far out [m], and a strip's nearer is flush
 _RISE = 0.15  # a strip begins where it differs so much from what lies beyond, as a share of its difference

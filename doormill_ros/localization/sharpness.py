@@ -15,9 +15,8 @@ from doormill_ros.localization.settings import LocalizerSettings
 from doormill_ros.localization.view import BOTTOM, HINGE, FaceView
 from doormill_ros.units import rad_to_deg
 
-APART = (
-    1.6  #: an edge softer than the other by that factor is none; of edges that were true the largest was 1.46
-)
+#: An edge softer than the other by that factor is none; of edges that were true the largest was 1.46
+APART = 1.6
 _UNLIKE = 1.12  #: from that factor on an angle between the lines has to be that of a well made door
 _SKEW = 3.0  #: standard deviations by which it may exceed that
 _FINEST = 0.3  #: blurs below that are not told apart [px]

@@ -34,9 +34,8 @@ CAMPAIGN = os.environ.get("DOORMILL_DOORS")
 EXAMPLES = int(CAMPAIGN or "24")
 QUIET = [HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.function_scoped_fixture]
 LIMIT = 5e-5  #: what may stay of the deviation when the model is right [m]
-MILL_RADIUS = (
-    0.010  #: of the widest mill, as config/toolpath.yaml has it: the planner keeps room for that one [m]
-)
+#: Of the widest mill, as config/toolpath.yaml has it: the planner keeps room for that one [m]
+MILL_RADIUS = 0.010
 EDGE_FRONT = 0.080  #: before the surface, where the tool swings from one side of the door to another [m]
 ALIKE = 1.5e-5  #: what else may stay where a target is shared by several loads [m]
 

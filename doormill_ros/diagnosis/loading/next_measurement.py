@@ -17,9 +17,8 @@ from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
 from doormill_ros.units import m_to_um, rad_to_deg
 
 PROPOSALS = 6  #: trials that are proposed
-HOPELESS = (
-    0.1  #: log odds of all proposed trials below which they are none: forty times as many would not decide
-)
+#: Log odds of all proposed trials below which they are none: forty times as many would not decide
+HOPELESS = 0.1
 DECIDED = 4.6  #: log odds at which two models count as told apart: 100 to 1
 
 

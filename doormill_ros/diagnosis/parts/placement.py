@@ -21,9 +21,8 @@ from doormill_ros.distributions import chi2_ppf, chi2_sf
 
 APART = 0.05  #: between places of the cell that count as two, on a joint's way over the door [m]
 _QUARTILE = 0.3186  #: lower quartile of the size of a normal number, in standard deviations
-_LEAST = (
-    0.01  #: share of the stated variance that is scatter at least: a few differences may be small by chance
-)
+#: Share of the stated variance that is scatter at least: a few differences may be small by chance
+_LEAST = 0.01
 _PAIRS = 4  #: neighbouring doors of one recipe from which on their differences tell the scatter
 _MEDIAN = 0.6745  #: of the size of a normal number, in standard deviations
 _NEIGHBOURS = 5  #: neighbouring doors of any recipe from which on theirs do

@@ -93,9 +93,8 @@ def _fitted(weights: Weights, tilted: bool, loaded: bool) -> tuple[float, Standi
     best: tuple[float, FloatArray, FloatArray, FloatArray] | None = None
     for start in starts:
         down, load = start, np.zeros(4)
-        for _ in range(
-            ROUNDS
-        ):  # anew about where it led to: half of all directions are farther than any step
+        # Anew about where it led to: half of all directions are farther than any step.
+        for _ in range(ROUNDS):
             cost, down, load, std = _near(weights, down, load, tilted, loaded)
         if best is None or cost < best[0] * (1.0 - 1e-9):
             best = cost, down, load, std

@@ -18,9 +18,8 @@ from doormill_ros.simulation.errors import RunMessageError
 from doormill_ros.simulation.judge.verdict import Harm, Touch, Verdict, WoodGone
 from doormill_ros.simulation.milled_part import MilledPart
 
-MOST = (
-    1e5  #: s, m, rad, N, Nm; what a cell does within a day is below, and squares of it stay far from overflow
-)
+#: s, m, rad, N, Nm; what a cell does within a day is below, and squares of it stay far from overflow
+MOST = 1e5
 
 
 def executed_message(path: ExecutedPath, header: Header, placement: DoorPlacement) -> ExecutedPathMessage:

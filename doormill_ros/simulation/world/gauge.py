@@ -22,9 +22,8 @@ WALL_STEP = 3e-3  #: distance of points along a wall [m]
 FLOOR_STEP = 8e-3  #: distance of points on a floor [m]
 MARGIN = 2e-3  #: floors are measured so far from their walls [m]
 RANGE = 3e-3  #: how far from its nominal place the gauge looks for a surface [m]
-PATH_STEP = (
-    1e-4  #: the tool's way is looked at in such steps [m]: 0.15 um between two discs of an 8 mm radius
-)
+#: The tool's way is looked at in such steps [m]: 0.15 um between two discs of an 8 mm radius
+PATH_STEP = 1e-4
 NOISE = 1e-5  #: standard deviation of one deviation [m]
 
 

@@ -16,9 +16,8 @@ JOINT_ORDERS, MOTOR_ORDERS = tuple(range(1, 13)), (1, 2, 3, 4, 6, 8)
 #: Waves a turn of the joint from which an encoder without an index has another phase after every start.
 FINE = 30.0
 _LARGEST = 5e-3  #: rad
-_SHOWN = (
-    5.0  #: times its standard deviation in the recording that shows most of it, at most; 1.4 for a whole wave
-)
+#: Times its standard deviation in the recording that shows most of it, at most; 1.4 for a whole wave
+_SHOWN = 5.0
 
 
 class MotionPeriodicError(MotionCause):
