@@ -238,6 +238,8 @@ class RobotCell:
 
 def _release(controller: VirtualController) -> None:
     """The clamp opens once the door is milled."""
+    if controller.moving:
+        return  # nobody opens it before the robot stands, and reading signals takes longer than a step of time
     if controller.io.read(signals.DONE) and controller.program.read("doorSpent"):
         controller.cell.set_input(DOOR_CLAMPED, 0.0)
 

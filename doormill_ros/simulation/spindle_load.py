@@ -21,8 +21,8 @@ NOMINAL = 5000.0  #: power of the drive [W]
 IDLE = 0.1  #: share of it that a turning spindle takes in the air: bearings and fan [assumption]
 SMOOTHING = 0.1  #: time constant of the converter's output [s]
 NOISE = 0.005  #: its standard deviation, share of the nominal power
-#: Shortest time between two files, by the clock of the wall [s]: nobody looks more often.
-SHOWN = 0.005
+#: Shortest time between two files, by the clock of the wall [s]; a bridge that nobody told looks every 0.25 s.
+SHOWN = 0.02
 PERCENT = 100.0
 
 

@@ -31,7 +31,8 @@ class SimulatedCell:
         spindle_drive: Output that makes the spindle turn.
         spindle_works: False for a spindle that never comes to speed.
         rack: Drawbar, tools and gauge.
-        mark: Another object after each change of a signal that the cell itself holds.
+        mark: Another object after each change of a signal that the cell itself holds, analog inputs apart: a drive
+            tells another load at every moment, and nothing that the system itself writes follows one.
     """
 
     def __init__(
@@ -55,6 +56,7 @@ class SimulatedCell:
         self.kinds = configuration.kinds
         #: Signals that only change here, not in the port and not with the robot.
         self.held = frozenset(self.kinds) - _OF_THE_PORT - {GAUGE}
+        self._analog = frozenset(name for name, s in configuration.signals.items() if s.type == "AI")
         self.mark = object()
         #: Mark, drawbar and tool for which its sensors say what they should.
         self._shown: tuple[object, bool, str] | None = None
@@ -180,8 +182,8 @@ class SimulatedCell:
             self._hold(name, value)
 
     def _hold(self, name: str, value: float) -> None:
-        """Keep a value, and say so after it when it is another one than before."""
-        changed = self._values.get(name) != value
+        """Keep a value, and say so after it when it is another one than before; see `mark`."""
+        changed = self._values.get(name) != value and name not in self._analog
         self._values[name] = value
         if changed:
             self.mark = object()

@@ -9,11 +9,12 @@ the spindle turns clockwise seen from behind it.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from doormill_ros.arrays import BoolArray, FloatArray, IntArray
+from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.frames import inverse, transform
 from doormill_ros.recipes.cutting import Direction
 from doormill_ros.recipes.features.base import Feature
@@ -124,55 +125,64 @@ class _Marks:
         self.half = np.array([shape.width, shape.length]) / 2.0
         counts = np.ceil(2.0 * self.half / LATTICE).astype(int) + 1
         self.x, self.y = (np.linspace(-h, h, n) for h, n in zip(self.half, counts, strict=True))
+        self.pitch = [2.0 * h / (n - 1) for h, n in zip(self.half.tolist(), counts.tolist(), strict=True)]
         self.cut = np.zeros((len(self.x), len(self.y)))
-        self.wall = feature.outline(inset=BESIDE).points(step=LATTICE, chord_error=1e-6)
-        self.wall_cut = np.zeros(len(self.wall))
+        self.wall_x, self.wall_y = (
+            feature.outline(inset=BESIDE).points(step=LATTICE, chord_error=1e-6).T.copy()
+        )
+        self.wall_cut = np.zeros(len(self.wall_x))
         self.ways = np.zeros(2)  # of the wall: against the feed, with it
         self.wanted = 0 if feature.direction is Direction.CLIMB else 1
 
     def followed(self, tip: FloatArray, sample: IntArray) -> Manner:
         """Go along the tips (n, 3) [m] of samples (n,)."""
         steepest, steepest_at, wall_at = 0.0, int(sample[0]), -1
-        for i in range(len(tip) - 1):
-            way = tip[i + 1] - tip[i]
-            if sample[i + 1] != sample[i] + 1 or max(tip[i, 2], tip[i + 1, 2]) <= 0.0:
-                continue
-            count = max(1, math.ceil(float(np.linalg.norm(way)) / STEP))
-            slope = math.atan2(float(way[2]), float(np.linalg.norm(way[:2])))
-            for k in range(1, count + 1):
-                at = tip[i] + way * (k / count)
-                if at[2] <= 0.0:
+        ways = np.diff(tip, axis=0)
+        aside = np.hypot(ways[:, 0], ways[:, 1])
+        counts = np.maximum(np.ceil(np.hypot(aside, ways[:, 2]) / STEP).astype(int), 1).tolist()
+        slopes = np.arctan2(ways[:, 2], aside).tolist()
+        steps = np.flatnonzero((np.diff(sample) == 1) & (np.maximum(tip[:-1, 2], tip[1:, 2]) > 0.0))
+        for i in steps.tolist():
+            start, way = tip[i].tolist(), ways[i].tolist()
+            for k in range(1, counts[i] + 1):
+                x, y, z = (s + w * (k / counts[i]) for s, w in zip(start, way, strict=True))
+                if z <= 0.0:
                     continue
-                if self._core(at) and slope > steepest:
-                    steepest, steepest_at = slope, int(sample[i + 1])
+                if self._core(x, y, z) and slopes[i] > steepest:
+                    steepest, steepest_at = slopes[i], int(sample[i + 1])
                 before = self.ways[1 - self.wanted]
-                self._wall(at, way)
+                self._wall(x, y, z, way)
                 if wall_at < 0 and self.ways[1 - self.wanted] > before:
                     wall_at = int(sample[i + 1])
         enough = float((self.wall_cut > TAKEN).mean()) >= LEAST
         climb = float(self.ways[0] / self.ways.sum()) if enough and self.ways.sum() > 0.0 else math.nan
         return Manner(self.feature.id, steepest, steepest_at, climb, max(wall_at, int(sample[0])))
 
-    def _core(self, at: FloatArray) -> bool:
-        """Take what the mill covers; whether its middle took any."""
-        columns = slice(*np.searchsorted(self.x, [at[0] - self.radius, at[0] + self.radius]))
-        rows = slice(*np.searchsorted(self.y, [at[1] - self.radius, at[1] + self.radius]))
+    def _core(self, x: float, y: float, z: float) -> bool:
+        """Take what the mill covers at a place [m]; whether its middle took any."""
+        columns, rows = self._near(0, x), self._near(1, y)
         window = self.cut[columns, rows]
-        squared = (self.x[columns, None] - at[0]) ** 2 + (self.y[None, rows] - at[1]) ** 2
-        middle: BoolArray = squared < (CORE * self.radius) ** 2
-        core = bool((window[middle] < at[2] - TAKEN).any())
-        covered = squared < self.radius**2
-        window[covered] = np.maximum(window[covered], at[2])
+        squared = (self.x[columns, None] - x) ** 2 + (self.y[None, rows] - y) ** 2
+        core = bool(((window < z - TAKEN) & (squared < (CORE * self.radius) ** 2)).any())
+        np.maximum(window, z, out=window, where=squared < self.radius**2)
         return core
 
-    def _wall(self, at: FloatArray, way: FloatArray) -> None:
-        arm = self.wall - at[:2]
-        hit = (arm[:, 0] ** 2 + arm[:, 1] ** 2 < self.radius**2) & (self.wall_cut < at[2] - TAKEN)
-        if not hit.any():
+    def _near(self, axis: int, at: float) -> slice:
+        """All points along an axis that the mill may cover, and one more to each side."""
+        first = (at - self.radius + float(self.half[axis])) / self.pitch[axis]
+        return slice(
+            max(0, math.floor(first)), max(0, math.ceil(first + 2.0 * self.radius / self.pitch[axis]) + 1)
+        )
+
+    def _wall(self, x: float, y: float, z: float, way: Sequence[float]) -> None:
+        """Take what the mill covers of the finished wall, on a way to a place [m]."""
+        aside, along = self.wall_x - x, self.wall_y - y
+        hit = np.flatnonzero((aside**2 + along**2 < self.radius**2) & (self.wall_cut < z - TAKEN))
+        if not hit.size:
             return
-        depth = at[2] - self.wall_cut[hit]
-        self.wall_cut[hit] = at[2]
+        depth = z - self.wall_cut[hit]
+        self.wall_cut[hit] = z
         # z x feed points to where a right-handed turn about z moves the edge against the feed.
-        side = arm[hit] @ np.array([-way[1], way[0]])
+        side = along[hit] * way[0] - aside[hit] * way[1]
         for number, chosen in enumerate((side > 0.0, side < 0.0)):
             self.ways[number] += float(depth[chosen].sum())
