@@ -115,15 +115,34 @@ class CameraModel:
 
     def distort(self, rays: FloatArray) -> FloatArray:
         """Pixels (..., 2) of ideal rays x/z, y/z (..., 2); Brown's model."""
+        return self.distorted(*rays.reshape(-1, 2).T).T.reshape(rays.shape)
+
+    def distorted(self, x: FloatArray, y: FloatArray) -> FloatArray:
+        """Pixels u and v (2, n) of ideal rays x/z (n,), y/z (n,); see `distort`."""
         (k1, k2, p1, p2, k3), (fx, skew, cx, fy, cy) = self._lens
-        x, y = rays[..., 0], rays[..., 1]
-        r2 = x * x + y * y
+        r2 = x * x
+        r2 += y * y
         # What radial and tangential distortion have in common, for both coordinates at once.
-        common = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3)) + ((2.0 * p1) * y + (2.0 * p2) * x)
-        yd = y * common + p1 * r2
-        pixels = np.empty(rays.shape)
-        pixels[..., 0] = fx * (x * common + p2 * r2) + (skew * yd + cx)
-        pixels[..., 1] = fy * yd + cy
+        # In place: most of the time of longer expressions goes into their temporary arrays.
+        common = r2 * k3
+        common += k2
+        common *= r2
+        common += k1
+        common *= r2
+        common += 1.0
+        tangential = (2.0 * p1) * y
+        tangential += (2.0 * p2) * x
+        common += tangential
+        pixels = np.empty((2, x.size))
+        u, v = pixels
+        np.multiply(y, common, out=v)
+        v += p1 * r2
+        np.multiply(x, common, out=u)
+        u += p2 * r2
+        u *= fx
+        u += skew * v + cx
+        v *= fy
+        v += cy
         return pixels
 
     def undistort(self, pixels: FloatArray) -> FloatArray:

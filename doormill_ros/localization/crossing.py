@@ -60,9 +60,9 @@ def _read(picture: ByteArray, view: FaceView, pose: FloatArray) -> FloatArray:
     """Grey levels about the corner, along both edges and across them, shape (n, n)."""
     u, v = _U * view.pixel, _V * view.pixel
     cos, sin = np.cos(pose[2]), np.sin(pose[2])
-    places = np.stack([pose[0] + cos * u - sin * v, pose[1] + sin * u + cos * v], axis=-1)
-    at = view.pixels(places).astype(np.float32)
-    grey = cv2.remap(picture, at[..., 0], at[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    places = np.stack([pose[0] + cos * u - sin * v, pose[1] + sin * u + cos * v])
+    at = view.planes(places.reshape(2, -1)).astype(np.float32).reshape(places.shape)
+    grey = cv2.remap(picture, at[0], at[1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     return np.asarray(grey, dtype=float)
 
 

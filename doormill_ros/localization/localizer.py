@@ -9,6 +9,7 @@ import numpy as np
 from doormill_ros.arrays import ByteArray, FloatArray
 from doormill_ros.cell.layout import CellLayout, DoorOffset
 from doormill_ros.localization import checks
+from doormill_ros.localization.band import reduced
 from doormill_ros.localization.beyond import larger_beyond
 from doormill_ros.localization.camera import CameraModel
 from doormill_ros.localization.clamp_lines import FaceInClamp, check_clamp, smoothed
@@ -129,20 +130,25 @@ def _whole_sensor(camera: CameraModel, clamp: EmptyClamp) -> CameraModel:
 def _rough_pose(picture: ByteArray, view: FaceView, layout: CellLayout) -> FloatArray:
     """Pose to about a pixel; when there is none, the most telling reason."""
     limit, rotation = max(layout.limits.y, layout.limits.z), layout.limits.rotation
+    small = reduced(picture)
     try:
-        pose = search(picture, view, limit, rotation)
-        if larger_beyond(picture, view, pose):
-            further = search(picture, view, _WIDE * limit, _WIDE * rotation)
-            checks.check_range(_offset_of(further), layout.limits, sure=False)
-        return pose
+        pose = search(picture, small, view, limit, rotation)
     except (NoEdge, WrongEdge) as reason:
         checks.check_exposure(picture, strict=True)
         try:
-            pose = search(picture, view, _WIDE * limit, _WIDE * rotation, broken=False)
+            further = search(picture, small, view, _WIDE * limit, _WIDE * rotation, broken=False)
         except LocalizationError:
             raise reason from None
-        checks.check_range(_offset_of(pose), layout.limits, sure=False)
+        checks.check_range(_offset_of(further), layout.limits, sure=False)
         raise
+    if larger_beyond(picture, view, pose):
+        try:
+            further = search(picture, small, view, _WIDE * limit, _WIDE * rotation)
+        except (NoEdge, WrongEdge):
+            checks.check_exposure(picture, strict=True)
+            raise
+        checks.check_range(_offset_of(further), layout.limits, sure=False)
+    return pose
 
 
 def _offset_of(pose: FloatArray) -> DoorOffset:
