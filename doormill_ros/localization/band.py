@@ -183,9 +183,8 @@ def find_steps(small: Float32Array, where: Band, tilts: FloatArray, free: float,
     padded[:, :rim], padded[:, rim:-rim], padded[:, -rim:] = segments[:, :1], segments, segments[:, -1:]
 
     def scores(first: int, last: int, every: slice) -> Float32Array:
-        columns = np.lib.stride_tricks.as_strided(
-            padded, (padded.size - (last - first) + 1, last - first), 2 * padded.strides[1:], writeable=False
-        )
+        many, stride = last - first, padded.itemsize
+        columns = np.ndarray((padded.size - many + 1, many), padded.dtype, padded, strides=(stride, stride))
         starts = shift[every] + (rim + first + padded.shape[1] * np.arange(pieces))
         return row_medians(columns[starts].transpose(0, 2, 1))
 

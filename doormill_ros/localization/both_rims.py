@@ -88,8 +88,10 @@ class _Seen:
                     edge=edge,
                     marks=((edge, self.view.pixels(self.view.line(edge, read.pose, along))),),
                 )
-            near = np.isin(wide.lines, read.profiles.lines[read.line.inliers])
-            self._wide = edge_spread(wide, self._shift(wide), near)
+            lines = read.profiles.lines[read.line.inliers]
+            good = np.zeros(max(wide.lines[-1], lines[-1]) + 1, dtype=bool)
+            good[lines] = True
+            self._wide = edge_spread(wide, self._shift(wide), good[wide.lines])
         return self._wide
 
     def _shift(self, profiles: Profiles) -> FloatArray:

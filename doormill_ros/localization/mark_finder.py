@@ -73,10 +73,19 @@ def _centre(window: ByteArray, box: IntArray, radius: float) -> FloatArray:
     middle = np.array([left - first[0] + (width - 1) / 2, top - first[1] + (height - 1) / 2])
     away = np.hypot(u - middle[0], v - middle[1])
     outside, inside = cut[away > (1 + 0.7 * _RIM) * radius], cut[away < 0.6 * radius]
-    dark, light = float(np.median(outside)), float(np.median(inside))
+    if not outside.size:
+        return np.full(2, np.nan)
+    dark, light = _median(outside), _median(inside)
     if light - dark < _CONTRAST:
         return np.full(2, np.nan)
     # Beyond the ring there may be anything; half way into it nothing of the dot is left.
     weight = np.where(away < (1 + _RIM) * radius, np.clip((cut - dark) / (light - dark), 0.0, 1.0), 0.0)
     total = weight.sum()
     return np.array([first[0] + (weight * u).sum() / total, first[1] + (weight * v).sum() / total])
+
+
+def _median(values: FloatArray) -> float:
+    """Median of a few values (n,); NumPy's own spends ten times as long on checks."""
+    values.sort()
+    middle = values.size // 2
+    return 0.5 * float(values[middle] + values[values.size - 1 - middle])

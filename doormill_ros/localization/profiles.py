@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from math import ceil
 
 import numpy as np
 
@@ -80,9 +81,8 @@ def gather(picture: ByteArray, edge: str, lines: IntArray, centre: IntArray, spa
     flat = picture.ravel()
     if centre.size and centre.min() + span[0] >= 0 and centre.max() + span[-1] <= last:
         # Windows into the picture, of which those about the edge are taken: no place of a pixel need be worked out.
-        size = span.size
-        windows = np.lib.stride_tricks.as_strided(
-            flat, (size, flat.size - (size - 1) * step), (step, 1), writeable=False
+        windows = np.ndarray(
+            (span.size, flat.size - (span.size - 1) * step), flat.dtype, flat, strides=(step, 1)
         )
         values = windows[:, lines * run + (centre + span[0]) * step]
     else:
@@ -108,7 +108,7 @@ def crossing(
     nodes_run, nodes_cross = _nodes(view, edge, pose, start)
     width, height = view.camera.size
     limit_run, limit_cross = (height, width) if edge == HINGE else (width, height)
-    first, last = max(int(np.ceil(nodes_run[0])), 0), min(int(nodes_run[-1]), limit_run - 1)
+    first, last = max(ceil(nodes_run[0]), 0), min(int(nodes_run[-1]), limit_run - 1)
     lines = np.arange(first, last + 1)
     at = np.interp(lines, nodes_run, nodes_cross)
     usable = (at > half + 1) & (at < limit_cross - half - 2)
@@ -123,9 +123,8 @@ def crossed_at(view: FaceView, edge: str, pose: FloatArray, lines: IntArray) -> 
 def _nodes(view: FaceView, edge: str, pose: FloatArray, start: float) -> tuple[FloatArray, FloatArray]:
     """Numbers of rows, ascending, and columns where they cross an edge [px], from `start` [m] on, (32,) each."""
     along = start + _ALONG * (view.length(edge) + 0.025 - start)
-    pixels = view.pixels(view.line(edge, pose, along))
-    run, cross = (1, 0) if edge == HINGE else (0, 1)
-    return pixels[::-1, run], pixels[::-1, cross]
+    u, v = view.planes(view.line(edge, pose, along).T)[:, ::-1]
+    return (v, u) if edge == HINGE else (u, v)
 
 
 def measure(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from math import cos, sin
 
 import numpy as np
 
@@ -74,10 +75,14 @@ def _poses(lines: dict[str, LineFit]) -> dict[str, FloatArray]:
 def _moved(view: FaceView, before: dict[str, FloatArray], after: dict[str, FloatArray]) -> float:
     """Largest movement of the edges' ends between two poses [px]."""
     most = 0.0
-    for edge in EDGES:
-        ends = np.array([0.0, view.length(edge)])
-        move = view.line(edge, after[edge], ends) - view.line(edge, before[edge], ends)
-        most = max(most, float(np.abs(move).max()))
+    for i, edge in enumerate(EDGES):
+        (y, z, turn), (y_before, z_before, turn_before) = after[edge].tolist(), before[edge].tolist()
+        here, there = (-sin(turn), cos(turn)), (-sin(turn_before), cos(turn_before))
+        if i:
+            here, there = (here[1], -here[0]), (there[1], -there[0])
+        for along in (0.0, view.length(edge)):
+            most = max(most, abs(y + along * here[0] - (y_before + along * there[0])))
+            most = max(most, abs(z + along * here[1] - (z_before + along * there[1])))
     return most / view.pixel
 
 
