@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from doormill_ros.arrays import ByteArray, FloatArray
+from doormill_ros.arrays import ByteArray, FloatArray, IntArray
 from doormill_ros.cell.layout import CellLayout, DoorOffset
 from doormill_ros.localization import checks
 from doormill_ros.localization.band import reduced
@@ -19,7 +19,7 @@ from doormill_ros.localization.drift import Drift, drift_in
 from doormill_ros.localization.empty_clamp import EmptyClamp, empty_clamp_for
 from doormill_ros.localization.errors import LocalizationError, NoEdge, WrongEdge
 from doormill_ros.localization.fit import CornerFit, fit_corner
-from doormill_ros.localization.processing import check_levels
+from doormill_ros.localization.processing import check_levels, level_counts
 from doormill_ros.localization.result import CovarianceParts, EdgeTrace, Localization
 from doormill_ros.localization.settings import LocalizerSettings, shipped_settings
 from doormill_ros.localization.sharpness import check_sharpness
@@ -57,13 +57,14 @@ def localize(
     """
     settings = settings or shipped_settings()
     checks.check_input(picture, camera, age, settings)
-    checks.check_exposure(picture)
-    check_levels(picture)
+    counts = level_counts(picture)
+    checks.check_exposure(counts)
+    check_levels(counts)
     checks.check_face(width, thickness)
     view = face_view(camera, layout, float(width), float(thickness))
     checks.check_view(view.pixel)
     drift = drift_in(picture, camera, float(width), layout.T_base_door(width, thickness)[:3, 3])
-    traces = trace_edges(picture, view, _rough_pose(picture, view, layout), settings)
+    traces = trace_edges(picture, view, _rough_pose(picture, counts, view, layout), settings)
     fit = fit_corner(traces[HINGE].line, traces[BOTTOM].line, settings.squareness, settings.squareness_limit)
     clamp = empty_clamp_for(view.camera.empty, float(width))
     clamp_fit = None
@@ -127,14 +128,14 @@ def _whole_sensor(camera: CameraModel, clamp: EmptyClamp) -> CameraModel:
     return camera.with_intrinsics(clamp.k, clamp.distortion, (width, height))
 
 
-def _rough_pose(picture: ByteArray, view: FaceView, layout: CellLayout) -> FloatArray:
-    """Pose to about a pixel; when there is none, the most telling reason."""
+def _rough_pose(picture: ByteArray, counts: IntArray, view: FaceView, layout: CellLayout) -> FloatArray:
+    """Pose to about a pixel in a picture of such `level_counts`; when there is none, the most telling reason."""
     limit, rotation = max(layout.limits.y, layout.limits.z), layout.limits.rotation
     small = reduced(picture)
     try:
         pose = search(picture, small, view, limit, rotation)
     except (NoEdge, WrongEdge) as reason:
-        checks.check_exposure(picture, strict=True)
+        checks.check_exposure(counts, strict=True)
         try:
             further = search(picture, small, view, _WIDE * limit, _WIDE * rotation, broken=False)
         except LocalizationError:
@@ -145,7 +146,7 @@ def _rough_pose(picture: ByteArray, view: FaceView, layout: CellLayout) -> Float
         try:
             further = search(picture, small, view, _WIDE * limit, _WIDE * rotation)
         except (NoEdge, WrongEdge):
-            checks.check_exposure(picture, strict=True)
+            checks.check_exposure(counts, strict=True)
             raise
         checks.check_range(_offset_of(further), layout.limits, sure=False)
     return pose
