@@ -108,10 +108,13 @@ class CameraModel:
         """Distortion, and focal lengths, skew and centre, as numbers: faster with arrays than NumPy's own."""
         return self.distortion.tolist(), self.k[[0, 0, 0, 1, 1], [0, 1, 2, 1, 2]].tolist()
 
+    @cached_property
+    def _R_base_camera(self) -> FloatArray:
+        return R_BASE_CAMERA_NOMINAL @ rotation_from_vector(self.rotation_vector)
+
     def T_base_camera(self, width: float) -> FloatArray:
         """Camera frame in base for a door of `width` [m], shape (4, 4): the slider follows the hinge edge."""
-        rotation = R_BASE_CAMERA_NOMINAL @ rotation_from_vector(self.rotation_vector)
-        return transform(rotation, self.position - [0.0, width / 2.0, 0.0])
+        return transform(self._R_base_camera, self.position - [0.0, width / 2.0, 0.0])
 
     def distort(self, rays: FloatArray) -> FloatArray:
         """Pixels (..., 2) of ideal rays x/z, y/z (..., 2); Brown's model."""
@@ -123,16 +126,14 @@ class CameraModel:
         r2 = x * x
         r2 += y * y
         # What radial and tangential distortion have in common, for both coordinates at once.
-        # In place: most of the time of longer expressions goes into their temporary arrays.
+        # In place, for most of an expression's time goes into its temporary arrays.
         common = r2 * k3
         common += k2
         common *= r2
         common += k1
         common *= r2
         common += 1.0
-        tangential = (2.0 * p1) * y
-        tangential += (2.0 * p2) * x
-        common += tangential
+        common += (2.0 * p1) * y + (2.0 * p2) * x
         pixels = np.empty((2, x.size))
         u, v = pixels
         np.multiply(y, common, out=v)

@@ -19,6 +19,7 @@ from doormill_ros.localization.drift import Drift, drift_in
 from doormill_ros.localization.empty_clamp import EmptyClamp, empty_clamp_for
 from doormill_ros.localization.errors import LocalizationError, NoEdge, WrongEdge
 from doormill_ros.localization.fit import CornerFit, fit_corner
+from doormill_ros.localization.marked_view import marked_view
 from doormill_ros.localization.processing import check_levels, level_counts
 from doormill_ros.localization.result import CovarianceParts, EdgeTrace, Localization
 from doormill_ros.localization.settings import LocalizerSettings, shipped_settings
@@ -114,6 +115,8 @@ def prepare(camera: CameraModel, layout: CellLayout, width: float, thickness: fl
     view = face_view(camera, layout, float(width), float(thickness))
     checks.check_view(view.pixel)
     search_bands(view, max(layout.limits.y, layout.limits.z), layout.limits.rotation)
+    if camera.marks is not None:
+        marked_view(camera, camera.marks, float(width))
     clamp = empty_clamp_for(camera.empty, float(width))
     if clamp is not None:
         smoothed(clamp)

@@ -75,15 +75,17 @@ def _poses(lines: dict[str, LineFit]) -> dict[str, FloatArray]:
 def _moved(view: FaceView, before: dict[str, FloatArray], after: dict[str, FloatArray]) -> float:
     """Largest movement of the edges' ends between two poses [px]."""
     most = 0.0
-    for i, edge in enumerate(EDGES):
-        (y, z, turn), (y_before, z_before, turn_before) = after[edge].tolist(), before[edge].tolist()
-        here, there = (-sin(turn), cos(turn)), (-sin(turn_before), cos(turn_before))
-        if i:
-            here, there = (here[1], -here[0]), (there[1], -there[0])
-        for along in (0.0, view.length(edge)):
-            most = max(most, abs(y + along * here[0] - (y_before + along * there[0])))
-            most = max(most, abs(z + along * here[1] - (z_before + along * there[1])))
+    for edge in EDGES:
+        ends = zip(_ends(view, edge, before[edge]), _ends(view, edge, after[edge]), strict=True)
+        most = max(most, *(abs(one - two) for one, two in ends))
     return most / view.pixel
+
+
+def _ends(view: FaceView, edge: str, pose: FloatArray) -> tuple[float, float, float, float]:
+    """Of an edge's two ends y and z [m], as numbers: so few of them need no arrays."""
+    (y, z, turn), length = pose.tolist(), view.length(edge)
+    along = (-sin(turn), cos(turn)) if edge == HINGE else (cos(turn), sin(turn))
+    return y, z, y + length * along[0], z + length * along[1]
 
 
 def _focus(
