@@ -7,7 +7,7 @@ nominal corner. The strip is sampled from the picture averaged down by ACROSS an
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache, reduce
+from functools import cached_property, lru_cache, reduce
 
 import cv2
 import numpy as np
@@ -39,12 +39,12 @@ class Band:
     map_u: Float32Array
     map_v: Float32Array
 
-    @property
+    @cached_property
     def step(self) -> float:
         """Spacing of the samples across the edge [m]."""
         return float(self.across[1] - self.across[0])
 
-    @property
+    @cached_property
     def pitch(self) -> float:
         """Spacing of the samples along the edge [m]."""
         return float(self.along[1] - self.along[0])

@@ -99,9 +99,9 @@ class _Seen:
         read = self.read
         good, run = read.line.inliers, 0 if profiles.edge == HINGE else 1
         rows = read.profiles.lines[good]
-        straight = crossed_at(self.view, profiles.edge, read.pose, rows)
-        waves = uniform_filter1d(read.profiles.pixels[good, run] - straight, _SMOOTH)
-        shift: FloatArray = crossed_at(self.view, profiles.edge, read.pose, profiles.lines)
+        straight = crossed_at(self.view, profiles.edge, read.pose, np.concatenate([rows, profiles.lines]))
+        waves = uniform_filter1d(read.profiles.pixels[good, run] - straight[: rows.size], _SMOOTH)
+        shift = straight[rows.size :]
         shift += np.interp(profiles.lines, rows, waves) - profiles.centre
         return shift
 

@@ -42,10 +42,11 @@ class MarkedView:
 
     def seen(self, used: BoolArray, parameters: FloatArray) -> FloatArray:
         """Pixels (m, 2) of some marks (n,), bool, for the parameters (6,)."""
-        if parameters.any():
-            return self.pixels(self._centres[used], parameters[None])[0]
-        still: FloatArray = self._still[used]
-        return still
+        moved = parameters.any()
+        seen: FloatArray = (
+            self.pixels(self._centres[used], parameters[None])[0] if moved else self._still[used]
+        )
+        return seen
 
     def slopes(self, used: BoolArray, parameters: FloatArray) -> FloatArray:
         """Derivatives of `seen` by the parameters, shape (2 m, 6)."""

@@ -74,11 +74,8 @@ def _poses(lines: dict[str, LineFit]) -> dict[str, FloatArray]:
 
 def _moved(view: FaceView, before: dict[str, FloatArray], after: dict[str, FloatArray]) -> float:
     """Largest movement of the edges' ends between two poses [px]."""
-    most = 0.0
-    for edge in EDGES:
-        ends = zip(_ends(view, edge, before[edge]), _ends(view, edge, after[edge]), strict=True)
-        most = max(most, *(abs(one - two) for one, two in ends))
-    return most / view.pixel
+    pairs = ((_ends(view, edge, before[edge]), _ends(view, edge, after[edge])) for edge in EDGES)
+    return max(abs(one - two) for pair in pairs for one, two in zip(*pair, strict=True)) / view.pixel
 
 
 def _ends(view: FaceView, edge: str, pose: FloatArray) -> tuple[float, float, float, float]:
