@@ -95,7 +95,7 @@ def _centre(window: ByteArray, box: IntArray, radius: float) -> FloatArray:
 
 
 def _median(values: FloatArray) -> float:
-    """Median of a few values (n,); NumPy's own spends ten times as long on checks."""
+    """Median of a few values (n,), without the checks on which NumPy's own spends most of its time; sorts them."""
     values.sort()
     middle = values.size // 2
     return 0.5 * float(values[middle] + values[values.size - 1 - middle])

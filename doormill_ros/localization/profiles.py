@@ -80,7 +80,7 @@ def gather(picture: ByteArray, edge: str, lines: IntArray, centre: IntArray, spa
     last, run, step = (width - 1, width, 1) if edge == HINGE else (height - 1, 1, width)
     flat = picture.ravel()
     if centre.size and centre.min() + span[0] >= 0 and centre.max() + span[-1] <= last:
-        # Windows into the picture, of which those about the edge are taken: no place of a pixel need be worked out.
+        # Of all windows into the picture those about the edge are taken: no pixel's place need be worked out.
         windows = np.ndarray(
             (span.size, flat.size - (span.size - 1) * step), flat.dtype, flat, strides=(step, 1)
         )

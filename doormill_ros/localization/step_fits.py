@@ -74,7 +74,7 @@ class Sharp:
 
 def _weighted(values: FloatArray, weight: FloatArray) -> FloatArray:
     """Profiles (..., m) by weights (m,) or (m, m)."""
-    # Of arrays as small as these the method is done in half of the operator's time.
+    # Of arrays as small as these the method asks less of NumPy than the operator does.
     out: FloatArray = values * weight if weight.ndim == 1 else values.dot(weight.T)
     return out
 
