@@ -7,12 +7,12 @@ nominal corner. The strip is sampled from the picture averaged down by ACROSS an
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache, reduce
 
 import cv2
 import numpy as np
 
-from doormill_ros.arrays import ByteArray, Float32Array, FloatArray, IntArray
+from doormill_ros.arrays import ByteArray, Float32Array, FloatArray
 from doormill_ros.localization.errors import NoEdge
 from doormill_ros.localization.quartered import quartered
 from doormill_ros.localization.view import BOTTOM, HINGE, FaceView
@@ -39,12 +39,12 @@ class Band:
     map_u: Float32Array
     map_v: Float32Array
 
-    @property
+    @cached_property
     def step(self) -> float:
         """Spacing of the samples across the edge [m]."""
         return float(self.across[1] - self.across[0])
 
-    @property
+    @cached_property
     def pitch(self) -> float:
         """Spacing of the samples along the edge [m]."""
         return float(self.along[1] - self.along[0])
@@ -97,11 +97,11 @@ def reduced(picture: ByteArray) -> dict[str, Float32Array]:
     Returns:
         By edge, shape (h / 8, w / 4) for the hinge and (h / 4, w / 8) for the bottom edge.
     """
-    quarter = quartered(picture)
+    quarter = quartered(picture).astype(np.float32)
     rows, columns = len(quarter) // 2 * 2, quarter.shape[1] // 2 * 2
     return {
-        HINGE: np.add(quarter[0:rows:2], quarter[1:rows:2], dtype=np.float32) * np.float32(0.5),
-        BOTTOM: np.add(quarter[:, 0:columns:2], quarter[:, 1:columns:2], dtype=np.float32) * np.float32(0.5),
+        HINGE: (quarter[0:rows:2] + quarter[1:rows:2]) * np.float32(0.5),
+        BOTTOM: (quarter[:, 0:columns:2] + quarter[:, 1:columns:2]) * np.float32(0.5),
     }
 
 
@@ -160,7 +160,8 @@ def find_steps(small: Float32Array, where: Band, tilts: FloatArray, free: float,
     """
     values = cv2.remap(small, where.map_u, where.map_v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     count = len(where.across)
-    wing = sum(values[:, i : count - WING + 1 + i] for i in range(WING)) * np.float32(1.0 / WING)
+    wing = reduce(np.add, (values[:, i : count - WING + 1 + i] for i in range(WING)))
+    wing *= np.float32(1.0 / WING)
     rows = np.zeros((len(where.along), count), dtype=np.float32)
     np.subtract(wing[:, WING:], wing[:, :-WING], out=rows[:, WING : count + 1 - WING])
     first = int(np.searchsorted(where.along, free))
@@ -175,18 +176,18 @@ def find_steps(small: Float32Array, where: Band, tilts: FloatArray, free: float,
     centres = where.along[used].reshape(pieces, per).mean(axis=1)
     middle = float(centres.mean())
 
-    def scores(columns: IntArray, tilts: FloatArray) -> Float32Array:
-        shift = np.rint(np.outer(tilts, centres - middle) / where.step).astype(np.intp)  # (k, pieces)
-        rim = max(int(np.abs(shift).max()), 1)
-        padded = np.empty((count + 2 * rim, pieces), dtype=segments.dtype)  # lines may leave the band
-        padded[:rim], padded[rim:-rim], padded[-rim:] = segments[:, 0], segments.T, segments[:, -1]
-        at = (columns * pieces)[:, None] + ((shift + rim) * pieces + np.arange(pieces))[:, None]
-        picked = np.take(padded, at)  # (k, columns, pieces)
-        picked.partition(pieces // 2, axis=-1)
-        middles: Float32Array = picked[..., pieces // 2]
-        return middles
-
     near = int(np.searchsorted(where.across, reach)) + WING + 1
+    shift = np.rint(np.multiply.outer(tilts, centres - middle) / where.step).astype(np.intp)  # (k, pieces)
+    rim = max(int(np.abs(shift).max()), 1)
+    padded = np.empty((pieces, count + 2 * rim), dtype=segments.dtype)  # lines may leave the band
+    padded[:, :rim], padded[:, rim:-rim], padded[:, -rim:] = segments[:, :1], segments, segments[:, -1:]
+
+    def scores(first: int, last: int, every: slice) -> Float32Array:
+        many, stride = last - first, padded.itemsize
+        columns = np.ndarray((padded.size - many + 1, many), padded.dtype, padded, strides=(stride, stride))
+        starts = shift[every] + (rim + first + padded.shape[1] * np.arange(pieces))
+        return row_medians(columns[starts].transpose(0, 2, 1))
+
     inside = np.minimum(np.arange(count) + WING, count - 1)
     return Steps(
         where=where,
@@ -195,7 +196,7 @@ def find_steps(small: Float32Array, where: Band, tilts: FloatArray, free: float,
         centres=centres,
         middle=middle,
         tilts=tilts,
-        scores=scores(np.arange(near), tilts),
-        texture=scores(np.arange(near + WING, count - WING), tilts[len(tilts) % 3 // 2 :: 3]),
+        scores=scores(0, near, slice(None)),
+        texture=scores(near + WING, count - WING, slice(len(tilts) % 3 // 2, None, 3)),
         brightness=row_medians(values[first::per].T)[inside],
     )

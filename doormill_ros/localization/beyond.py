@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import reduce
+
 import numpy as np
 
 from doormill_ros.arrays import ByteArray, FloatArray
@@ -40,8 +42,8 @@ def larger_beyond(picture: ByteArray, view: FaceView, pose: FloatArray) -> bool:
         corner = float(pose[1] if edge == HINGE else pose[0])
         along = corner + np.arange(*_ALONG)
         grey = sight.rows(edge, line.across + offsets, line.tilt, along).astype(np.float32)
-        sums = np.cumsum(np.pad(grey, ((1, 0), (0, 0))), axis=0)
-        means = (sums[_WING:] - sums[:-_WING]) / np.float32(_WING)
+        means = reduce(np.add, (grey[i : len(grey) - _WING + 1 + i] for i in range(_WING)))
+        means /= np.float32(_WING)
         steps = means[:-_WING] - means[_WING:]
         sizes = row_medians(steps)
         at = first + int(np.argmax(np.abs(sizes[first:])))

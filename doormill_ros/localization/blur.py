@@ -7,6 +7,7 @@ from functools import lru_cache
 from math import sqrt
 
 import numpy as np
+from scipy.linalg.lapack import dposv
 from scipy.special import ndtr
 
 from doormill_ros.arrays import BoolArray, FloatArray, IntArray
@@ -216,7 +217,7 @@ def textured_blur(spread: Spread, step: float, inside: Variograms, outside: Vari
     design, _, _ = _templates(half)
     covariance = profile_covariance(spread, step, inside, outside, _MODEL)
     columns = np.column_stack([design[0, :, 0], design[:, :, 1].T, design[:, :, 2].T, spread.mean])
-    products = columns.T @ np.linalg.solve(covariance, columns)
+    products = columns.T @ dposv(covariance, columns)[1]
     moment = products[_PARTS, -1]
     normal = products[_PARTS[:, :, None], _PARTS[:, None, :]]
     explained = np.linalg.solve(normal, moment[..., None])[..., 0]

@@ -88,8 +88,10 @@ class _Seen:
                     edge=edge,
                     marks=((edge, self.view.pixels(self.view.line(edge, read.pose, along))),),
                 )
-            near = np.isin(wide.lines, read.profiles.lines[read.line.inliers])
-            self._wide = edge_spread(wide, self._shift(wide), near)
+            lines = read.profiles.lines[read.line.inliers]
+            good = np.zeros(max(wide.lines[-1], lines[-1]) + 1, dtype=bool)
+            good[lines] = True
+            self._wide = edge_spread(wide, self._shift(wide), good[wide.lines])
         return self._wide
 
     def _shift(self, profiles: Profiles) -> FloatArray:
@@ -97,9 +99,9 @@ class _Seen:
         read = self.read
         good, run = read.line.inliers, 0 if profiles.edge == HINGE else 1
         rows = read.profiles.lines[good]
-        straight = crossed_at(self.view, profiles.edge, read.pose, rows)
-        waves = uniform_filter1d(read.profiles.pixels[good, run] - straight, _SMOOTH)
-        shift: FloatArray = crossed_at(self.view, profiles.edge, read.pose, profiles.lines)
+        straight = crossed_at(self.view, profiles.edge, read.pose, np.concatenate([rows, profiles.lines]))
+        waves = uniform_filter1d(read.profiles.pixels[good, run] - straight[: rows.size], _SMOOTH)
+        shift = straight[rows.size :]
         shift += np.interp(profiles.lines, rows, waves) - profiles.centre
         return shift
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from doormill_ros.arrays import ByteArray, FloatArray
+from doormill_ros.arrays import ByteArray, FloatArray, IntArray
 from doormill_ros.cell.layout import DoorOffset, PlacementLimits
 from doormill_ros.localization.blur import Spread
 from doormill_ros.localization.camera import CameraModel
@@ -112,13 +112,12 @@ def check_view(pixel: float) -> None:
         )
 
 
-def check_exposure(picture: ByteArray, strict: bool = False) -> None:
-    """Whether the picture (h, w), uint8, is neither black nor white; `strict` when no edge was found in it.
+def check_exposure(counts: IntArray, strict: bool = False) -> None:
+    """Whether a picture is neither black nor white, by its `level_counts`; `strict` when no edge was found in it.
 
     Raises:
         LocalizationError: UnderExposed or OverExposed.
     """
-    counts = np.bincount(picture[4::12, 4::12].ravel(), minlength=256)
     shares = np.cumsum(counts) / counts.sum()
     white = float(1 - shares[WHITE - 1])
     most = 0.15 if strict else _MOST_WHITE

@@ -11,8 +11,8 @@ from math import sqrt
 
 import numpy as np
 
-from doormill_ros.arrays import BoolArray, ByteArray, FloatArray, IntArray
-from doormill_ros.localization.band import ACROSS, WING, Band, Steps, band, find_steps, reduced
+from doormill_ros.arrays import BoolArray, ByteArray, Float32Array, FloatArray, IntArray
+from doormill_ros.localization.band import ACROSS, WING, Band, Steps, band, find_steps
 from doormill_ros.localization.edge_line import EdgeLine, meet
 from doormill_ros.localization.errors import NoEdge, WrongEdge
 from doormill_ros.localization.fit import line_products, weighted_line
@@ -157,12 +157,18 @@ def search_bands(view: FaceView, limit: float, rotation: float) -> dict[str, Ban
 
 
 def search(
-    picture: ByteArray, view: FaceView, limit: float, rotation: float, broken: bool = True
+    picture: ByteArray,
+    small: dict[str, Float32Array],
+    view: FaceView,
+    limit: float,
+    rotation: float,
+    broken: bool = True,
 ) -> FloatArray:
     """Rough pose of the corner of the door's face: y, z [m] and rotation [rad], shape (3,).
 
     Args:
         picture: Grey picture, shape (h, w), uint8.
+        small: The picture as `reduced` gives it.
         view: The camera before the face.
         limit: Largest offset looked for [m].
         rotation: Largest rotation looked for [rad].
@@ -172,7 +178,6 @@ def search(
         NoEdge: Nothing stands out of the texture where an edge must be.
         WrongEdge: Lines stand out, but no two of them make the corner of a face.
     """
-    small = reduced(picture)
     bands = search_bands(view, limit, rotation)
     pitch = 1.5 * ACROSS * view.pixel / max(b.along[-1] for b in bands.values())
     number = int(np.ceil(rotation / pitch)) + 1

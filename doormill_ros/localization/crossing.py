@@ -11,6 +11,7 @@ from math import sqrt
 
 import cv2
 import numpy as np
+from scipy.linalg.lapack import dposv
 
 from doormill_ros.arrays import ByteArray, FloatArray
 from doormill_ros.localization.errors import WrongEdge
@@ -60,36 +61,37 @@ def _read(picture: ByteArray, view: FaceView, pose: FloatArray) -> FloatArray:
     """Grey levels about the corner, along both edges and across them, shape (n, n)."""
     u, v = _U * view.pixel, _V * view.pixel
     cos, sin = np.cos(pose[2]), np.sin(pose[2])
-    places = np.stack([pose[0] + cos * u - sin * v, pose[1] + sin * u + cos * v], axis=-1)
-    at = view.pixels(places).astype(np.float32)
-    grey = cv2.remap(picture, at[..., 0], at[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    places = np.stack([pose[0] + cos * u - sin * v, pose[1] + sin * u + cos * v])
+    at = view.planes(places.reshape(2, -1)).astype(np.float32).reshape(places.shape)
+    grey = cv2.remap(picture, at[0], at[1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     return np.asarray(grey, dtype=float)
 
 
 def _darkest(grey: FloatArray, blur: float) -> tuple[float, float, float, float]:
     """Width [px] of the spot that fits best, its height, its standard deviation and what it should be [grey levels]."""
     step = blurred_step(_ACROSS, blur)
-    slope = np.gradient(step, _ACROSS)
+    slope = np.gradient(step, _PITCH)
     face = np.outer(step, step)
     by_hinge, by_bottom = np.outer(slope, step), np.outer(step, slope)
     contrast = float(np.ptp(grey))
     weight = 1.0 / np.sqrt(_GREY**2 + (_WANDER * contrast) ** 2 * (by_hinge**2 + by_bottom**2))
-    columns = np.stack([face, 1.0 - face, by_hinge, by_bottom], axis=-1) * weight[..., None]
-    basis, triangle = np.linalg.qr(columns.reshape(-1, 4))
-    seen = (grey * weight).ravel()
-    explained = basis.T @ seen
-    levels = np.linalg.solve(triangle, explained)
-    rest = seen - basis @ explained
+    corner = (np.stack([face, 1.0 - face, by_hinge, by_bottom]) * weight).reshape(4, -1)
     outside = blurred_step(_ACROSS + _WIDTHS[:, None], blur) - step
-    spots = ((outside[:, :, None] * outside[:, None, :]) * weight).reshape(len(_WIDTHS), -1)
-    spots -= (spots @ basis) @ basis.T
+    seen = np.empty((1 + len(_WIDTHS), *grey.shape))  # the picture, and the spots
+    seen[0] = grey
+    np.multiply(outside[:, :, None], outside[:, None, :], out=seen[1:])
+    seen *= weight
+    left_over = seen.reshape(len(seen), -1)
+    _, explained, _ = dposv(corner.dot(corner.T), corner.dot(left_over.T))
+    left_over -= explained.T.dot(corner)
+    rest, spots = left_over[0], left_over[1:]
     squares = np.einsum("wn,wn->w", spots, spots)
-    heights = spots @ rest / squares
-    left = float(rest @ rest) - heights**2 * squares
+    heights = spots.dot(rest) / squares
+    left = float(rest.dot(rest)) - heights**2 * squares
     best = int(np.argmin(left))
     # Two looks a pixel either way: a quarter of them tell something of their own.
     noise = max(1.0, float(left[best]) / (grey.size - 4 / _PITCH**2))
     deviation = sqrt(noise / (float(squares[best]) * _PITCH**2))
-    bright, back = float(levels[0]), float(levels[1])
+    bright, back = float(explained[0, 0]), float(explained[1, 0])
     whole = back * (back / max(bright, 1.0) - 1.0)
     return float(_WIDTHS[best]), float(heights[best]), deviation, whole

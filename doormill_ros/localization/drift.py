@@ -8,11 +8,10 @@ import numpy as np
 from scipy import linalg
 
 from doormill_ros.arrays import BoolArray, ByteArray, FloatArray
-from doormill_ros.frames import rotation_from_vector
 from doormill_ros.localization.camera import CameraModel
 from doormill_ros.localization.errors import CameraMoved, MarksMissing
 from doormill_ros.localization.mark_finder import find_marks
-from doormill_ros.localization.marks import Marks
+from doormill_ros.localization.marked_view import MarkedView, marked_view
 from doormill_ros.units import m_to_mm, rad_to_deg
 
 FEWEST = 4
@@ -21,11 +20,9 @@ _OUTLIER = 5.0  # standard deviations at which a dot does not stand where it sto
 _KEPT = 0.6  # share of the dots that must agree
 # A fit may have y, z [m], turns about x, y, z [rad] and the size of the picture; what it cannot tell apart stays there.
 _PRIOR = np.array([5e-3, 5e-3, 0.05, 0.05, 0.05, 0.05])
-_STEP = 1e-5
 _SMALL = 1e-4  # step after which the fit is as good as linear
 #: None, picture's size, place, turn, place and turn, all.
 _CAUSES = ((), (5,), (0, 1), (2, 3, 4), (0, 1, 2, 3, 4), (0, 1, 2, 3, 4, 5))
-_LEVER = 0.1  # m along the hinge edge, by which a door's rotation is told
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,13 +90,8 @@ def drift_in(
     """
     if camera is None or camera.marks is None:
         return None
-    marks = camera.marks
-    centres = marks.centres(width)
-    expected = camera.project(centres, width)
-    rims = camera.project(centres + np.array([0.0, marks.radius, 0.0]), width)
-    radii = np.linalg.norm(rims - expected, axis=1)
-    seen = find_marks(picture, expected, radii)
-    drift = drift_of(seen, camera, marks, width, corner)
+    view = marked_view(camera, camera.marks, width)
+    drift = drift_of(find_marks(picture, view.expected, view.radii), view, corner)
     if drift.share > 1.0:
         place, turn = m_to_mm(drift.door[:2]), rad_to_deg(float(drift.door[2]))
         allowed, most = m_to_mm(drift.limit[:2]), rad_to_deg(float(drift.limit[2]))
@@ -112,38 +104,35 @@ def drift_in(
     return drift
 
 
-def drift_of(seen: FloatArray, camera: CameraModel, marks: Marks, width: float, corner: FloatArray) -> Drift:
+def drift_of(seen: FloatArray, view: MarkedView, corner: FloatArray) -> Drift:
     """What the centres of the marks say, u, v [px], shape (n, 2), nan where one was not seen.
 
     Args:
         seen: The centres.
-        camera: The camera as it was calibrated.
-        marks: Where the marks stand.
-        width: Door width, for which the slider stands [m].
+        view: The camera before the marks as it was calibrated.
         corner: Nominal corner of the door's face in base, shape (3,) [m].
 
     Raises:
         MarksMissing: Too few marks are seen, they do not agree, or they leave too much open.
     """
-    centres = marks.centres(width)
-    view = _View(camera, width)
+    marks, camera = view.marks, view.camera
     distance = marks.x - float(camera.position[0])
     sigma = float(np.hypot(_FOUND, marks.deviation * camera.k[0, 0] / distance))
     used: BoolArray = np.isfinite(seen[:, 0])
-    fewest = max(FEWEST, int(np.ceil(_KEPT * len(centres))))
+    fewest = max(FEWEST, int(np.ceil(_KEPT * len(seen))))
     while True:
         if used.sum() < fewest:
             raise MarksMissing(
-                f"{used.sum()} of {len(centres)} marks of the cell are seen where they stood, {fewest} are needed to "
+                f"{used.sum()} of {len(seen)} marks of the cell are seen where they stood, {fewest} are needed to "
                 "check the camera; clean them, clear the view, or fasten and calibrate the camera if it was knocked",
                 seen=seen,
             )
-        parameters, covariance, left = _fit(view, centres[used], seen[used], sigma, tuple(range(6)))
+        parameters, covariance, left = _fit(view, used, seen[used], sigma, tuple(range(6)))
         worst = np.linalg.norm(left, axis=1)
         if worst.max() <= _OUTLIER * sigma:
             break
         used[np.flatnonzero(used)[int(np.argmax(worst))]] = False
-    effect = view.effect(corner)
+    effect = view.effect(tuple(corner.tolist()))
     limit, deviations = np.array(marks.limit), np.sqrt(np.diag(effect @ covariance @ effect.T))
     if np.any(2.0 * deviations > limit):
         raise MarksMissing(
@@ -152,7 +141,7 @@ def drift_of(seen: FloatArray, camera: CameraModel, marks: Marks, width: float, 
             "is needed; put marks on two sides of the picture, far apart",
             seen=seen,
         )
-    told = _simplest(view, centres[used], seen[used], sigma)
+    told = _simplest(view, used, seen[used], sigma)
     growth = float(told[5])
     return Drift(
         moved=np.array([0.0, told[0], told[1]]),
@@ -166,50 +155,16 @@ def drift_of(seen: FloatArray, camera: CameraModel, marks: Marks, width: float, 
     )
 
 
-class _View:
-    """Pixels of base points for a camera that is not where it was calibrated."""
-
-    def __init__(self, camera: CameraModel, width: float) -> None:
-        self._camera, self._width = camera, width
-        self._centre = camera.T_base_camera(width)[:3, 3]
-
-    def pixels(self, points: FloatArray, parameters: FloatArray) -> FloatArray:
-        """u, v [px], shape (m, n, 2), of points (n, 3) [m] for parameters (m, 6) as in `_PRIOR`."""
-        turns = rotation_from_vector(parameters[:, 2:5])
-        shifts = np.zeros((len(parameters), 1, 3))
-        shifts[:, 0, 1:] = parameters[:, :2]
-        seen = (points - self._centre - shifts) @ turns + self._centre
-        middle, growth = self._camera.k[:2, 2], 1.0 + parameters[:, 5, None, None]
-        pixels: FloatArray = middle + growth * (self._camera.project(seen, self._width) - middle)
-        return pixels
-
-    def jacobian(self, points: FloatArray, parameters: FloatArray) -> FloatArray:
-        """Of the pixels of points (n, 3) [m] by the parameters (6,), shape (2 n, 6)."""
-        steps = _STEP * np.eye(6)
-        ahead, back = np.split(self.pixels(points, parameters + np.vstack([steps, -steps])), 2)
-        return (ahead - back).reshape(6, -1).T / (2.0 * _STEP)
-
-    def effect(self, corner: FloatArray) -> FloatArray:
-        """Error of a door's y, z and rotation by the parameters, shape (3, 6): where its old camera sees its pixels."""
-        errors = []
-        for point in (corner, corner + np.array([0.0, 0.0, _LEVER])):
-            seen = self.jacobian(point[None], np.zeros(6))
-            # A door that moves by y, z moves in the picture against what a camera does that moves so.
-            errors.append(np.linalg.solve(-seen[:, :2], seen))
-        low, high = errors
-        return np.vstack([low, -(high[0] - low[0]) / _LEVER])
-
-
 def _fit(
-    view: _View, centres: FloatArray, seen: FloatArray, sigma: float, free: tuple[int, ...]
+    view: MarkedView, used: BoolArray, seen: FloatArray, sigma: float, free: tuple[int, ...]
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Parameters (6,), their covariance (6, 6), residuals (n, 2) [px] of marks seen (n, 2) at (n, 3)."""
+    """Parameters (6,), their covariance (6, 6), residuals (m, 2) [px] of some marks (n,), bool, seen at (m, 2)."""
     parameters, kept = np.zeros(6), list(free)
     covariance: FloatArray = np.zeros((6, 6))
     inverse: FloatArray = covariance
     for _ in range(4 if kept else 0):
-        rows = view.jacobian(centres, parameters)[:, kept] / sigma
-        left = (seen - view.pixels(centres, parameters[None])[0]).ravel() / sigma
+        rows = view.slopes(used, parameters)[:, kept] / sigma
+        left = (seen - view.seen(used, parameters)).ravel() / sigma
         inverse = linalg.inv(rows.T @ rows + np.diag(_PRIOR[kept] ** -2))
         step = inverse @ (rows.T @ left - parameters[kept] / _PRIOR[kept] ** 2)
         parameters[kept] += step
@@ -217,16 +172,16 @@ def _fit(
             break
     if kept:
         covariance[np.ix_(kept, kept)] = inverse
-    return parameters, covariance, seen - view.pixels(centres, parameters[None])[0]
+    return parameters, covariance, seen - view.seen(used, parameters)
 
 
-def _simplest(view: _View, centres: FloatArray, seen: FloatArray, sigma: float) -> FloatArray:
+def _simplest(view: MarkedView, used: BoolArray, seen: FloatArray, sigma: float) -> FloatArray:
     """Parameters (6,) of the cause with the fewest of them that explains the marks (Schwarz' criterion)."""
     best, least = np.zeros(6), np.inf
     for free in _CAUSES:
         if not best.any() and least <= seen.size:  # nothing has happened
             break
-        parameters, _, left = _fit(view, centres, seen, sigma, free)
+        parameters, _, left = _fit(view, used, seen, sigma, free)
         cost = float(np.sum((left / sigma) ** 2)) + len(free) * np.log(left.size)
         if cost < least:
             best, least = parameters, cost

@@ -77,7 +77,7 @@ def line_products(along: FloatArray, across: FloatArray) -> FloatArray:
 
 def weighted_line(products: FloatArray, weight: FloatArray) -> tuple[float, float, float]:
     """Middle along, place and slope of the weighted line through points, by their `line_products`."""
-    total, along, across, square, product = (products @ weight).tolist()
+    total, along, across, square, product = products.dot(weight).tolist()
     middle, place = along / total, across / total
     return middle, place, (product - middle * across) / (square - middle * along)
 
@@ -108,23 +108,29 @@ def fit_line(
         size = np.abs(residual)
         scale = NORMAL_STD * median(size) + _FINEST
         if step < 0:  # the guess may be off by more than the scatter: least absolute distances
-            weight = scale / np.maximum(size, scale)
+            weight = np.maximum(size, scale, out=size)
+            np.divide(scale, weight, out=weight)
         else:
-            weight = np.square(np.maximum(1.0 - np.square(residual / (_CUT * scale)), 0.0))
+            weight = residual / (_CUT * scale)
+            weight *= weight
+            np.subtract(1.0, weight, out=weight)
+            np.maximum(weight, 0.0, out=weight)
+            weight *= weight
             if step == rounds - 1 > 1:
                 weight *= _unchipped(x, residual, weight)
         middle, place, slope = weighted_line(products, weight)
         if step == rounds - 3 and thin > 1:
             x, y = every
             products = line_products(x, y)
-        residual = y - (place - slope * middle) - slope * x
+        residual = y - (place - slope * middle)
+        residual -= slope * x
     lever = x - middle
     weighted = weight * lever
     square = np.square(lever)
     arc_middle, arc_place, arc_slope = weighted_line(line_products(lever, square), weight)
     arc = square - (arc_place - arc_slope * arc_middle) - arc_slope * lever
-    stiffness = float(weight @ np.square(arc))
-    bend = float(weight @ (arc * residual)) / stiffness
+    stiffness = float(weight.dot(np.square(arc)))
+    bend = float(weight.dot(arc * residual)) / stiffness
     if rounds > 2:
         pieces = EdgePieces(x, weight)
         variance, freedom = pieces.variance(residual), pieces.freedom
@@ -142,12 +148,12 @@ def fit_line(
         slope,
         middle,
         variance * float(spent.sum()) / total**2,
-        variance * float(weighted @ weighted) / float(weighted @ lever) ** 2,
+        variance * float(weighted.dot(weighted)) / float(weighted.dot(lever)) ** 2,
         residuals,
         inliers,
-        sqrt(float(weight @ np.square(residual)) / total),
+        sqrt(float(weight.dot(np.square(residual))) / total),
         bend,
-        straightened * float(spent @ np.square(arc)) / stiffness**2,
+        straightened * float(spent.dot(np.square(arc))) / stiffness**2,
         variance,
         freedom,
     )
@@ -253,7 +259,11 @@ def _joined(hinge: LineFit, bottom: LineFit, squareness: float) -> tuple[FloatAr
     z = b + q * y
     # Small changes: dy = d(place_h) - (z - middle_h) d(turn), dz = d(place_b) + (y - middle_b) d(turn + skew).
     lever_h, lever_b = z - hinge.middle, y - bottom.middle
-    jacobian = np.array([[1, 0, -lever_h, 0], [0, 1, lever_b, lever_b], [0, 0, 1, 0]])
-    states = np.zeros((4, 4))
-    states[0, 0], states[1, 1], states[2:, 2:] = hinge.place_variance, bottom.place_variance, angles
-    return np.array([y, z, turn]), jacobian @ states @ jacobian.T
+    (turns, both), (_, skews) = angles.tolist()
+    yy, zz = (
+        hinge.place_variance + lever_h**2 * turns,
+        bottom.place_variance + lever_b**2 * (turns + 2.0 * both + skews),
+    )
+    yz, y_turn, z_turn = -lever_h * lever_b * (turns + both), -lever_h * turns, lever_b * (turns + both)
+    covariance = np.array([[yy, yz, y_turn], [yz, zz, z_turn], [y_turn, z_turn, turns]])
+    return np.array([y, z, turn]), covariance

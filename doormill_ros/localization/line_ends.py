@@ -39,7 +39,8 @@ def _parallels(
     number = int(reach / where.step)
     offsets = np.arange(-number, number + 1)
     at = np.rint((line.across + line.tilt * where.along[chosen] - where.across[0]) / where.step).astype(int)
-    columns = np.clip(at[:, None] + offsets, 0, len(where.across) - 1)
+    columns = at[:, None] + offsets
+    np.minimum(np.maximum(columns, 0, out=columns), len(where.across) - 1, out=columns)
     found: Float32Array = steps.rows[chosen[:, None], columns]
     return np.multiply(offsets, where.step, dtype=float), found
 

@@ -6,9 +6,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from doormill_ros.arrays import ByteArray, FloatArray
+from doormill_ros.arrays import ByteArray, FloatArray, IntArray
 from doormill_ros.cell.layout import CellLayout, DoorOffset
 from doormill_ros.localization import checks
+from doormill_ros.localization.band import reduced
 from doormill_ros.localization.beyond import larger_beyond
 from doormill_ros.localization.camera import CameraModel
 from doormill_ros.localization.clamp_lines import FaceInClamp, check_clamp, smoothed
@@ -18,7 +19,8 @@ from doormill_ros.localization.drift import Drift, drift_in
 from doormill_ros.localization.empty_clamp import EmptyClamp, empty_clamp_for
 from doormill_ros.localization.errors import LocalizationError, NoEdge, WrongEdge
 from doormill_ros.localization.fit import CornerFit, fit_corner
-from doormill_ros.localization.processing import check_levels
+from doormill_ros.localization.marked_view import marked_view
+from doormill_ros.localization.processing import check_levels, level_counts
 from doormill_ros.localization.result import CovarianceParts, EdgeTrace, Localization
 from doormill_ros.localization.settings import LocalizerSettings, shipped_settings
 from doormill_ros.localization.sharpness import check_sharpness
@@ -56,13 +58,14 @@ def localize(
     """
     settings = settings or shipped_settings()
     checks.check_input(picture, camera, age, settings)
-    checks.check_exposure(picture)
-    check_levels(picture)
+    counts = level_counts(picture)
+    checks.check_exposure(counts)
+    check_levels(counts)
     checks.check_face(width, thickness)
     view = face_view(camera, layout, float(width), float(thickness))
     checks.check_view(view.pixel)
     drift = drift_in(picture, camera, float(width), layout.T_base_door(width, thickness)[:3, 3])
-    traces = trace_edges(picture, view, _rough_pose(picture, view, layout), settings)
+    traces = trace_edges(picture, view, _rough_pose(picture, counts, view, layout), settings)
     fit = fit_corner(traces[HINGE].line, traces[BOTTOM].line, settings.squareness, settings.squareness_limit)
     clamp = empty_clamp_for(view.camera.empty, float(width))
     clamp_fit = None
@@ -112,6 +115,8 @@ def prepare(camera: CameraModel, layout: CellLayout, width: float, thickness: fl
     view = face_view(camera, layout, float(width), float(thickness))
     checks.check_view(view.pixel)
     search_bands(view, max(layout.limits.y, layout.limits.z), layout.limits.rotation)
+    if camera.marks is not None:
+        marked_view(camera, camera.marks, float(width))
     clamp = empty_clamp_for(camera.empty, float(width))
     if clamp is not None:
         smoothed(clamp)
@@ -126,23 +131,28 @@ def _whole_sensor(camera: CameraModel, clamp: EmptyClamp) -> CameraModel:
     return camera.with_intrinsics(clamp.k, clamp.distortion, (width, height))
 
 
-def _rough_pose(picture: ByteArray, view: FaceView, layout: CellLayout) -> FloatArray:
-    """Pose to about a pixel; when there is none, the most telling reason."""
+def _rough_pose(picture: ByteArray, counts: IntArray, view: FaceView, layout: CellLayout) -> FloatArray:
+    """Pose to about a pixel in a picture of such `level_counts`; when there is none, the most telling reason."""
     limit, rotation = max(layout.limits.y, layout.limits.z), layout.limits.rotation
+    small = reduced(picture)
     try:
-        pose = search(picture, view, limit, rotation)
-        if larger_beyond(picture, view, pose):
-            further = search(picture, view, _WIDE * limit, _WIDE * rotation)
-            checks.check_range(_offset_of(further), layout.limits, sure=False)
-        return pose
+        pose = search(picture, small, view, limit, rotation)
     except (NoEdge, WrongEdge) as reason:
-        checks.check_exposure(picture, strict=True)
+        checks.check_exposure(counts, strict=True)
         try:
-            pose = search(picture, view, _WIDE * limit, _WIDE * rotation, broken=False)
+            further = search(picture, small, view, _WIDE * limit, _WIDE * rotation, broken=False)
         except LocalizationError:
             raise reason from None
-        checks.check_range(_offset_of(pose), layout.limits, sure=False)
+        checks.check_range(_offset_of(further), layout.limits, sure=False)
         raise
+    if larger_beyond(picture, view, pose):
+        try:
+            further = search(picture, small, view, _WIDE * limit, _WIDE * rotation)
+        except (NoEdge, WrongEdge):
+            checks.check_exposure(counts, strict=True)
+            raise
+        checks.check_range(_offset_of(further), layout.limits, sure=False)
+    return pose
 
 
 def _offset_of(pose: FloatArray) -> DoorOffset:

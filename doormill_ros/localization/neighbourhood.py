@@ -80,7 +80,7 @@ def look_around(
     spread = edge_spread(wide, shift, off < _CLEAR * NORMAL_STD * median(off[line.inliers]))
     gap = int(np.ceil(3.0 * spread.blur)) + 2
     span = np.arange(-gap - _LOOK_INSIDE, gap + _LOOK_OUTSIDE + 1)
-    values = gather(picture, edge, wide.lines, wide.centre, span).astype(np.float32)
+    values = gather(picture, edge, wide.lines, wide.centre, span)
     beyond = values[-_LOOK_OUTSIDE:]
     face, back = values[:_LOOK_INSIDE], beyond[:_BACK_STRIP]
     strip = face[-_FACE_STRIP:]

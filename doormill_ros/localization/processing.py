@@ -7,11 +7,12 @@ and no lens does that. It, and an edge smoothed on both sides, are alike seen fr
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from doormill_ros.arrays import ByteArray, FloatArray
+from doormill_ros.arrays import ByteArray, FloatArray, IntArray
 from doormill_ros.localization.blur import Spread, bin_places
 from doormill_ros.localization.errors import ProcessedPicture
 
@@ -41,16 +42,23 @@ class Mirrored:
 
 def mirrored(profile: FloatArray, weight: FloatArray) -> Mirrored:
     """A profile (m,) against itself from the other end, bins by weights (m,) or (m, m)."""
-    place = bin_places(profile.size)
-    # Beyond its ends it goes on as it is there.
-    turned = CubicSpline(place, profile)(np.clip(2 * _MIDDLES[:, None] - place, place[0], place[-1]))
-    rest = np.sqrt(0.5) * (profile + turned)
+    rest = np.sqrt(0.5) * (profile + _turning(profile.size).dot(profile))
     whole = weight if weight.ndim == 2 else np.diag(weight)
-    white, level = rest @ whole.T, whole @ np.full(place.size, np.sqrt(0.5))
-    height = white @ level / (level @ level)
+    white, level = rest.dot(whole.T), whole.dot(np.full(profile.size, np.sqrt(0.5)))
+    height = white.dot(level) / level.dot(level)
     left = np.square(white - height[:, None] * level).sum(axis=1)
     best = int(np.argmin(left))
     return Mirrored(float(_MIDDLES[best]), rest[best] - height[best] * np.sqrt(0.5))
+
+
+@lru_cache(maxsize=4)
+def _turning(size: int) -> FloatArray:
+    """What makes a profile (m,) itself seen from the other end about each of _MIDDLES: a spline; shape (81, m, m)."""
+    place = bin_places(size)
+    # Beyond its ends it goes on as it is there.
+    at = np.clip(2 * _MIDDLES[:, None] - place, place[0], place[-1])
+    turning: FloatArray = CubicSpline(place, np.eye(size))(at)
+    return turning
 
 
 def overshoots(spread: Spread) -> tuple[float, float]:
@@ -91,13 +99,17 @@ def check_overshoot(edge: str, spread: Spread, streaks: float, rim: bool = False
         )
 
 
-def check_levels(picture: ByteArray) -> None:
-    """Whether a picture (h, w), uint8, has grey levels next to each other.
+def level_counts(picture: ByteArray) -> IntArray:
+    """How often a picture (h, w), uint8, has each grey level in some of its rows and columns, shape (256,)."""
+    return np.bincount(picture[_EVERY // 3 :: _EVERY, _EVERY // 3 :: _EVERY].ravel(), minlength=256)
+
+
+def check_levels(counts: IntArray) -> None:
+    """Whether a picture has grey levels next to each other, by its `level_counts`.
 
     Raises:
         ProcessedPicture: It has few that are far apart.
     """
-    counts = np.bincount(picture[_EVERY // 3 :: _EVERY, _EVERY // 3 :: _EVERY].ravel(), minlength=256)
     seen = np.flatnonzero(counts)
     apart = int(np.diff(seen).min()) if seen.size > 2 else 0
     if apart > _COARSEST:

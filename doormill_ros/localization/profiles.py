@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from math import ceil
 
 import numpy as np
 
@@ -62,7 +63,7 @@ def plain_weights(half: int, blur: float) -> Float32Array:
     return np.linalg.pinv(step_design(phase_places(half), blur)).astype(np.float32)
 
 
-def gather(picture: ByteArray, edge: str, lines: IntArray, centre: IntArray, span: IntArray) -> ByteArray:
+def gather(picture: ByteArray, edge: str, lines: IntArray, centre: IntArray, span: IntArray) -> Float32Array:
     """Pixels at `centre + span` of each of `lines`, rows for the hinge edge, columns for the bottom edge.
 
     Args:
@@ -70,19 +71,23 @@ def gather(picture: ByteArray, edge: str, lines: IntArray, centre: IntArray, spa
         edge: "hinge" or "bottom".
         lines: Numbers of the rows (columns), shape (n,).
         centre: Column (row) in the middle of each, shape (n,).
-        span: Places about it, ascending, shape (m,).
+        span: Places about it, one after the other, shape (m,).
 
     Returns:
         Grey levels, a column for each line, shape (m, n); beyond the picture those at its rim.
     """
     height, width = picture.shape
     last, run, step = (width - 1, width, 1) if edge == HINGE else (height - 1, 1, width)
-    # Flat indices into the picture are several times faster than pairs of them.
+    flat = picture.ravel()
     if centre.size and centre.min() + span[0] >= 0 and centre.max() + span[-1] <= last:
-        flat = (span * step)[:, None] + (lines * run + centre * step)
+        # Of all windows into the picture those about the edge are taken: no pixel's place need be worked out.
+        windows = np.ndarray(
+            (span.size, flat.size - (span.size - 1) * step), flat.dtype, flat, strides=(step, 1)
+        )
+        values = windows[:, lines * run + (centre + span[0]) * step]
     else:
-        flat = np.clip(span[:, None] + centre, 0, last) * step + lines * run
-    return np.take(picture, flat)
+        values = flat[np.clip(span[:, None] + centre, 0, last) * step + lines * run]
+    return values.astype(np.float32, order="C")
 
 
 def crossing(
@@ -103,7 +108,7 @@ def crossing(
     nodes_run, nodes_cross = _nodes(view, edge, pose, start)
     width, height = view.camera.size
     limit_run, limit_cross = (height, width) if edge == HINGE else (width, height)
-    first, last = max(int(np.ceil(nodes_run[0])), 0), min(int(nodes_run[-1]), limit_run - 1)
+    first, last = max(ceil(nodes_run[0]), 0), min(int(nodes_run[-1]), limit_run - 1)
     lines = np.arange(first, last + 1)
     at = np.interp(lines, nodes_run, nodes_cross)
     usable = (at > half + 1) & (at < limit_cross - half - 2)
@@ -118,9 +123,8 @@ def crossed_at(view: FaceView, edge: str, pose: FloatArray, lines: IntArray) -> 
 def _nodes(view: FaceView, edge: str, pose: FloatArray, start: float) -> tuple[FloatArray, FloatArray]:
     """Numbers of rows, ascending, and columns where they cross an edge [px], from `start` [m] on, (32,) each."""
     along = start + _ALONG * (view.length(edge) + 0.025 - start)
-    pixels = view.pixels(view.line(edge, pose, along))
-    run, cross = (1, 0) if edge == HINGE else (0, 1)
-    return pixels[::-1, run], pixels[::-1, cross]
+    u, v = view.planes(view.line(edge, pose, along).T)[:, ::-1]
+    return (v, u) if edge == HINGE else (u, v)
 
 
 def measure(
@@ -148,11 +152,10 @@ def measure(
     lines, at = lines[::every], at[::every]
     centre = np.rint(at).astype(np.intp)
     phase = np.minimum(((at - centre + 0.5) * PHASES).astype(np.intp), PHASES - 1)
-    raw = gather(picture, edge, lines, centre, np.arange(-half, half + 1))
-    clipped = raw.max(axis=0, initial=0) >= WHITE
-    values = raw.astype(np.float32)
+    values = gather(picture, edge, lines, centre, np.arange(-half, half + 1))
+    clipped = values.max(axis=0, initial=0) >= WHITE
     # All phases of all rows in one product cost less than picking each row's weights before it.
-    every_phase = weights.reshape(-1, len(values)) @ values
+    every_phase = weights.reshape(-1, len(values)).dot(values)
     by_row = every_phase.reshape(PHASES, 3, -1).swapaxes(0, 1).reshape(3, -1)
     level, step, moment = by_row.take(phase * len(lines) + np.arange(len(lines)), axis=1)
     typical = median(step) if step.size else 0.0

@@ -52,14 +52,12 @@ class Surfaces:
 
     def rows(self, edge: str, across: FloatArray, tilt: FloatArray | float, along: FloatArray) -> ByteArray:
         """Grey levels (k, n) at distances `along` (n,) of an edge, on parallels at `across` (k,)."""
-        places = np.empty((across.size, along.size, 2))
+        places = np.empty((2, across.size, along.size))
         run, cross = (1, 0) if edge == HINGE else (0, 1)
-        places[..., run] = along
-        places[..., cross] = across[:, None] + tilt * along
-        at = self.view.pixels(places.reshape(-1, 2)).astype(np.float32).reshape(places.shape)
-        grey = cv2.remap(
-            self.picture, at[..., 0], at[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
-        )
+        places[run] = along
+        np.add(across[:, None], tilt * along, out=places[cross])
+        u, v = self.view.planes(places.reshape(2, -1)).astype(np.float32).reshape(places.shape)
+        grey = cv2.remap(self.picture, u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
         return np.asarray(grey, dtype=np.uint8)
 
 

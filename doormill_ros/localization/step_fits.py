@@ -74,7 +74,8 @@ class Sharp:
 
 def _weighted(values: FloatArray, weight: FloatArray) -> FloatArray:
     """Profiles (..., m) by weights (m,) or (m, m)."""
-    out: FloatArray = values * weight if weight.ndim == 1 else values @ weight.T
+    # Of arrays as small as these the method asks less of NumPy than the operator does.
+    out: FloatArray = values * weight if weight.ndim == 1 else values.dot(weight.T)
     return out
 
 
@@ -95,26 +96,26 @@ def _descend(
     count, size = model.count, model.count + len(start)
     white = _weighted(profile, weight)
     columns = _weighted(model.at(start.tolist()), weight)
-    normal = columns @ columns.T
+    normal = columns.dot(columns.T)
     normal.flat[:: count + 1] += RIDGE
-    state = np.concatenate([np.linalg.solve(normal, columns @ white), start])
+    state = np.concatenate([np.linalg.solve(normal, columns.dot(white)), start])
     pull, known = 0.0, 0.0  # weight of what is known of the blur
     blur_at = count + model.blur_at
     if sharp is not None:
         pull, known = sharp.deviation**-2, sharp.blur
-    left = _weighted(state[:count] @ model.columns - profile, weight)
+    left = _weighted(state[:count].dot(model.columns) - profile, weight)
     off = state[blur_at] - known if pull else 0.0
-    cost = float(left @ left) + pull * off * off
+    cost = float(left.dot(left)) + pull * off * off
     damping = _DAMPED
     damped = np.empty((size, size))
     own_damped = damped.reshape(-1)[:: size + 1]
     curvature = np.eye(size)
     for _ in range(rounds):
         jacobian = _weighted(model.slopes(state[1:count].tolist()), weight)
-        curvature = jacobian @ jacobian.T
+        curvature = jacobian.dot(jacobian.T)
         own = curvature.reshape(-1)[:: size + 1]
         own += RIDGE
-        downhill = jacobian @ left
+        downhill = jacobian.dot(left)
         if pull:
             own[blur_at] += pull
             downhill[blur_at] += pull * off
@@ -124,9 +125,11 @@ def _descend(
             step = _solved(damped, downhill)
             if step is not None:
                 tried = state - step
-                left_there = _weighted(tried[:count] @ model.at(tried[count:].tolist()) - profile, weight)
+                left_there = tried[:count].dot(model.at(tried[count:].tolist()))
+                left_there -= profile
+                left_there = _weighted(left_there, weight)
                 off_there = tried[blur_at] - known if pull else 0.0
-                cost_there = float(left_there @ left_there) + pull * off_there * off_there
+                cost_there = float(left_there.dot(left_there)) + pull * off_there * off_there
                 if cost_there <= cost:
                     break
             damping *= 10.0

@@ -52,8 +52,13 @@ class _Steps:
 
     def _slopes(self) -> tuple[FloatArray, FloatArray]:
         """Derivatives of what `_blurred` gave last with respect to the steps' place and to the blur."""
-        by_shift = np.exp(-0.5 * self._scaled * self._scaled) * (-_NORMAL / self._sigma)
-        return by_shift, by_shift * self._scaled * self._spread
+        by_shift = self._scaled * self._scaled
+        by_shift *= -0.5
+        np.exp(by_shift, out=by_shift)
+        by_shift *= -_NORMAL / self._sigma
+        by_blur = by_shift * self._scaled
+        by_blur *= self._spread
+        return by_shift, by_blur
 
 
 class OneStep(_Steps):
@@ -70,8 +75,8 @@ class OneStep(_Steps):
     def slopes(self, heights: list[float]) -> FloatArray:
         """Derivatives of the profile at the last `at` by level, heights and places, shape (count + k, m)."""
         by_shift, by_blur = self._slopes()
-        self.jacobian[2] = by_shift * heights[0]
-        self.jacobian[3] = by_blur * heights[0]
+        np.multiply(by_shift, heights[0], out=self.jacobian[2])
+        np.multiply(by_blur, heights[0], out=self.jacobian[3])
         return self.jacobian
 
 
@@ -83,20 +88,23 @@ class TwoSteps(_Steps):
 
     def __init__(self, size: int) -> None:
         super().__init__(size, 3)
+        self._both = np.empty((2, size))
 
     def at(self, p: list[float]) -> FloatArray:
         """Level and steps for p, shape (count, m), which the next call overwrites."""
-        outer = self._place - p[0]
-        self.columns[1:] = self._blurred(np.array((outer, outer + p[1])), p[2])
+        outer, inner = self._both
+        np.subtract(self._place, p[0], out=outer)
+        np.add(outer, p[1], out=inner)
+        self.columns[1:] = self._blurred(self._both, p[2])
         return self.columns
 
     def slopes(self, heights: list[float]) -> FloatArray:
         """Derivatives of the profile at the last `at` by level, heights and places, shape (count + k, m)."""
         by_shift, by_blur = self._slopes()
         weights = np.array(heights)
-        self.jacobian[3] = weights @ by_shift
-        self.jacobian[4] = by_shift[1] * -heights[1]
-        self.jacobian[5] = weights @ by_blur
+        weights.dot(by_shift, self.jacobian[3])
+        np.multiply(by_shift[1], -heights[1], out=self.jacobian[4])
+        weights.dot(by_blur, self.jacobian[5])
         return self.jacobian
 
 

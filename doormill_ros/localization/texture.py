@@ -80,8 +80,8 @@ def learn_variograms(strip: Float32Array, lags: int, apart: int, most: float) ->
         most: Largest standard deviation believed to be texture [grey levels].
     """
     level = np.ascontiguousarray(strip.T)
-    level -= level.sum(axis=1, keepdims=True) * np.float32(1.0 / level.shape[1])
-    count = len(level)
+    count, wide = level.shape
+    level -= (level.sum(axis=1) * np.float32(1.0 / wide))[:, None]
     liveliness = np.einsum("nm,nm->n", level, level)
     keep = max(int(_TRIM * count), 1)
     ordered = liveliness.copy()

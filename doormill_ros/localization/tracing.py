@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from math import cos, sin
 
 import numpy as np
 
@@ -73,12 +74,15 @@ def _poses(lines: dict[str, LineFit]) -> dict[str, FloatArray]:
 
 def _moved(view: FaceView, before: dict[str, FloatArray], after: dict[str, FloatArray]) -> float:
     """Largest movement of the edges' ends between two poses [px]."""
-    most = 0.0
-    for edge in EDGES:
-        ends = np.array([0.0, view.length(edge)])
-        move = view.line(edge, after[edge], ends) - view.line(edge, before[edge], ends)
-        most = max(most, float(np.abs(move).max()))
-    return most / view.pixel
+    pairs = ((_ends(view, edge, before[edge]), _ends(view, edge, after[edge])) for edge in EDGES)
+    return max(abs(one - two) for pair in pairs for one, two in zip(*pair, strict=True)) / view.pixel
+
+
+def _ends(view: FaceView, edge: str, pose: FloatArray) -> tuple[float, float, float, float]:
+    """Of an edge's two ends y and z [m], as numbers: so few of them need no arrays."""
+    (y, z, turn), length = pose.tolist(), view.length(edge)
+    along = (-sin(turn), cos(turn)) if edge == HINGE else (cos(turn), sin(turn))
+    return y, z, y + length * along[0], z + length * along[1]
 
 
 def _focus(

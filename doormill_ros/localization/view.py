@@ -43,14 +43,21 @@ class FaceView:
         self.corner: FloatArray = layout.T_base_door(width, thickness)[:3, 3]
         rotation = self._T_base_camera[:3, :3]
         self._corner_seen = (self.corner - self._T_base_camera[:3, 3]) @ rotation
-        self._plane_seen = rotation[1:3]
+        self._plane_seen = np.ascontiguousarray(rotation[1:3].T)
         self.distance = float(self.corner[0] - self._T_base_camera[0, 3])
         self.pixel = float(self.distance / np.sqrt(camera.k[0, 0] * camera.k[1, 1]))
 
     def pixels(self, points: FloatArray) -> FloatArray:
         """Pixels u, v (..., 2) of face points (..., 2) [m]."""
-        seen = np.asarray(points, dtype=float) @ self._plane_seen + self._corner_seen
-        return self.camera.distort(seen[..., :2] / seen[..., 2:])
+        points = np.asarray(points, dtype=float)
+        return self.planes(points.reshape(-1, 2).T).T.reshape(points.shape)
+
+    def planes(self, points: FloatArray) -> FloatArray:
+        """Pixels u and v, as picture filters want them apart (2, n), of face points y and z (2, n) [m]."""
+        seen = self._plane_seen.dot(points)
+        seen += self._corner_seen[:, None]
+        seen[:2] /= seen[2]
+        return self.camera.distorted(seen[0], seen[1])
 
     def points(self, pixels: FloatArray) -> FloatArray:
         """Face points (n, 2) [m] of pixels u, v (n, 2)."""

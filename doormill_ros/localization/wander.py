@@ -51,7 +51,7 @@ class EdgePieces:
         """
         weighted = self._weight * residual
         sums = np.bincount(self._third, weights=weighted).astype(float)
-        white = float(weighted @ weighted) / self._total
+        white = float(weighted.dot(weighted)) / self._total
         wander = self._single.variance(sums)
         # Waves longer than a piece of edge leave more in longer pieces, of which there are few: only waves show in
         # deviations that last over several millimetres.
@@ -85,4 +85,4 @@ class _Size:
     def variance(self, sums: FloatArray) -> float:
         """Of averages over the pieces (see `EdgePieces`), by the sums (n,) of weighted residuals in thirds of one."""
         averaged = np.convolve(sums, self._ones, "valid")[self._used]
-        return self._scale * float(averaged @ averaged)
+        return self._scale * float(averaged.dot(averaged))

@@ -9,7 +9,7 @@ import pytest
 from doormill_ros.localization.blur import Spread, bin_places
 from doormill_ros.localization.errors import LocalizationError, ProcessedPicture
 from doormill_ros.localization.localizer import localize
-from doormill_ros.localization.processing import check_levels, check_overshoot
+from doormill_ros.localization.processing import check_levels, check_overshoot, level_counts
 from doormill_ros.localization.rim import find_rim
 from doormill_ros.simulation.picture.picture import render_picture
 from doormill_ros.units import MM
@@ -109,7 +109,7 @@ def test_a_picture_that_was_processed_is_right_or_refused_for_it(name, plain, ca
 
 def test_grey_levels_far_apart_are_refused():
     shade = np.tile(np.linspace(20, 200, 400), (300, 1)).astype(np.uint8)
-    check_levels(shade)
-    check_levels(shade // 4 * 4)
+    check_levels(level_counts(shade))
+    check_levels(level_counts(shade // 4 * 4))
     with pytest.raises(ProcessedPicture, match="16 apart, allowed are 6"):
-        check_levels(shade // 16 * 16)
+        check_levels(level_counts(shade // 16 * 16))

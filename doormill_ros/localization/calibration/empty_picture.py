@@ -16,7 +16,7 @@ from doormill_ros.localization.camera import CameraModel
 from doormill_ros.localization.drift import drift_in
 from doormill_ros.localization.errors import LocalizationError, OverExposed
 from doormill_ros.localization.localizer import localize
-from doormill_ros.localization.processing import check_levels
+from doormill_ros.localization.processing import check_levels, level_counts
 from doormill_ros.localization.profiles import WHITE
 from doormill_ros.statistics import median, share
 from doormill_ros.units import m_to_mm
@@ -76,9 +76,10 @@ def empty_picture(
     nominal = layout.T_base_door(width, _THICKNESSES[1])[:3, 3]
     for picture in pictures:
         checks.check_size(picture.shape[::-1], camera)
-        checks.check_exposure(picture)
+        counts = level_counts(picture)
+        checks.check_exposure(counts)
         _check_white(picture)
-        check_levels(picture)
+        check_levels(counts)
         drift_in(picture, camera, width, nominal)
     total = np.zeros(pictures[0].shape, dtype=np.float32)
     for picture in pictures:
