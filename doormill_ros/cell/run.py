@@ -70,9 +70,8 @@ class Run:
     pictured: dict[str, float] = field(default_factory=dict)
     _heard: dict[str, Any] = field(default_factory=dict)
     _localized: set[float] = field(default_factory=set)  # pictures of which the localizer told under this run
-    _early: dict[float, StageAnswer] = field(
-        default_factory=dict
-    )  # targets by pictures of which it did not yet
+    # Targets by pictures of which it did not yet.
+    _early: dict[float, StageAnswer] = field(default_factory=dict)
     _canceled: bool = False
     _changed: threading.Condition = field(default_factory=threading.Condition)
 

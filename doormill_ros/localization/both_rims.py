@@ -137,9 +137,8 @@ class _Seen:
         check_overshoot(self.read.profiles.edge, self.wide(), streaks)
         rim = find_rim(self.wide(), streaks, sharp)
         single = spread.misfit < checks.allowed_misfit(spread, streaks)
-        if rim is None or not (
-            single and wide_and_dark(rim, self.view.pixel)
-        ):  # grain is no strip of its own
+        # Grain is no strip of its own.
+        if rim is None or not (single and wide_and_dark(rim, self.view.pixel)):
             self.rim = rim
 
     def blur(self) -> float:

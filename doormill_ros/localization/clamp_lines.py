@@ -35,10 +35,8 @@ _AVERAGED = (1, 3)  # places along an edge: over a few of them a texture lasts a
 _PLAIN = 3.0  # a line stands out when its steps are that many times as large as is usual beside it
 _INSIDE = 3.0e-3  # between an edge and the part of the face that is compared [m]
 _LARGEST = 50.0e-3  # side of that part [m]
-_BRIGHT_SAMPLE, _SAMPLE = (
-    4.0e-3,
-    0.5e-3,
-)  # between the points at which its brightness and its pattern are read [m]
+# Between the points at which its brightness and its pattern are read [m].
+_BRIGHT_SAMPLE, _SAMPLE = 4.0e-3, 0.5e-3
 _FINE, _COARSE = 3, 11  # of the latter over which noise, and what light makes, are averaged
 _CLIPPED = 4.0  # medians of a pattern
 _ALIKE = 0.7  # correlation of two patterns that are one

@@ -17,9 +17,8 @@ _CHIP = 1.0e-3  # length over which points are averaged to see chips in noise [m
 _CHIP_CUT = 6.0  # such averages lose weight from half that many standard deviations, and have none beyond
 _DOUBTED = 0.1  # least weight of a point in them
 LESS_SQUARE = 3.0  #: factor by which most other doors are less square than well made ones
-_KINDS = np.array(
-    [0.55, 0.44, 0.01]
-)  # shares of well made doors, of less square ones, of those that are barely milled
+# Shares of well made doors, of less square ones, of those that are barely milled.
+_KINDS = np.array([0.55, 0.44, 0.01])
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,9 +162,7 @@ def _unchipped(along: FloatArray, residual: FloatArray, weight: FloatArray) -> F
     """Weights (n,) that leave out chips too shallow to be told from noise point by point."""
     half = max(round(0.5 * _CHIP * (along.size - 1) / abs(along[-1] - along[0])), 1)
     weight = np.maximum(weight, _DOUBTED)
-    sums = np.zeros(
-        (2, along.size + 2 * half + 1)
-    )  # before the first point 0, behind the last one everything
+    sums = np.zeros((2, along.size + 2 * half + 1))  # before the first point 0, behind the last everything
     first, last = half + 1, half + 1 + along.size
     np.cumsum(weight * residual, out=sums[0, first:last])
     np.cumsum(weight, out=sums[1, first:last])

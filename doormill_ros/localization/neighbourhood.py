@@ -25,9 +25,7 @@ EVERY = 6  #: rows left out while focusing in
 # Pixels looked at on each side of an edge, in standard deviations of its blur. Where nothing but noise is beside
 # the edge, more of them tell its two levels better; where streaks are, they tell more of the streaks.
 _REACH, _PLAIN_REACH = 2.5, 4.0
-_WIDEST = (
-    2 * WIDE_HALF
-)  # px; largest lag of the widest window, which sees no more than was found to be one edge
+_WIDEST = 2 * WIDE_HALF  # px; largest lag of the widest window, which sees no more than one edge
 _CLEAR = 3.0  # rows nearer to their line than that many standard deviations tell the blur
 _LASTING = 8.0e-3  # rows that far apart have only streaks in common [m]
 _TEXTURE = 0.25  # largest standard deviation of a texture, as a share of the step

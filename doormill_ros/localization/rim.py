@@ -72,9 +72,8 @@ def find_rim(spread: Spread, streaks: float, sharp: float | None = None) -> Rim 
         sharp: Blur of the other edge, where a rim shows along that one: one lens sees both [px].
     """
     profile = spread.mean
-    face = np.sqrt(
-        1.0 - 0.75 * blurred_step(bin_places(profile.size), spread.blur)
-    )  # behind it there are less
+    # Behind the face there are fewer streaks.
+    face = np.sqrt(1.0 - 0.75 * blurred_step(bin_places(profile.size), spread.blur))
     weight = 1.0 / np.sqrt(spread.error**2 + _MODEL**2 + (streaks * face) ** 2)
     known = None if sharp is None else Sharp(sharp, _SAME * sharp)
     plain = fit_one(profile, weight, spread.blur).misfit

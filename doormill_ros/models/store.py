@@ -117,9 +117,8 @@ class ModelStore:
                 return known
             number = record.issued + 1
             folder = self._folder(number)
-            shutil.rmtree(
-                folder, ignore_errors=True
-            )  # of a writer that was killed before it wrote the record
+            # Of a writer that was killed before it wrote the record.
+            shutil.rmtree(folder, ignore_errors=True)
             folder.mkdir(parents=True)
             write_atomically(folder / MODEL_FILE, model, durable=True)
             self._write(record.with_proposal(ModelVersion(number, self._stamp(), source, digest)))

@@ -118,11 +118,6 @@ def _ends(bag: Path) -> dict[str, RecordedEnd]:
             end = item.message
             # Bags of older software tell no version.
             found[end.run_id] = RecordedEnd(bag, end.door_id, int(getattr(end, "model_version", 0)))
-    except (
-        BagError,
-        AttributeError,
-        TypeError,
-        ValueError,
-    ):  # damaged, or another recorder's of other fields
-        return found
+    except (BagError, AttributeError, TypeError, ValueError):
+        return found  # damaged, or another recorder's of other fields
     return found

@@ -52,9 +52,8 @@ def recover(data: ThesisData) -> Recovery:
     radius = float(np.hypot(one.reflector[2], one.reflector[0] + data.robot.dh[0, 2]))
     k1 = stiffness_from_length(one.wrench_flange[1], one.load_arm, radius, one.measured)  # (3.1), Fy as A.8
     lever = two.load_arm + two.reflector[0]
-    k2 = stiffness_from_length(
-        float(np.linalg.norm(two.force_base)), two.load_arm, lever, two.measured
-    )  # (3.3)
+    force = float(np.linalg.norm(two.force_base))
+    k2 = stiffness_from_length(force, two.load_arm, lever, two.measured)  # (3.3)
     relative_1 = _ROUNDING * _UM_DIGIT / one.measured
     relative_2 = _ROUNDING * _UM_DIGIT / two.measured
     stiffness = data.ratios * k1

@@ -32,9 +32,8 @@ def beside_rack(
     return _beside(layout, tuple(waiting_tools(layout, robot, settings, tools, carried)))
 
 
-@functools.lru_cache(
-    maxsize=32
-)  # so that what was worked out of the same cell is found again at the next door
+# Kept, so that what was worked out of the same cell is found again at the next door.
+@functools.lru_cache(maxsize=32)
 def _beside(layout: CellLayout, bodies: tuple[Body, ...]) -> CellLayout:
     return layout.beside(bodies)
 
