@@ -8,6 +8,7 @@ import numpy as np
 
 from doormill_ros.robot_model.elastic.law.carriers import CARRIERS
 from doormill_ros.robot_model.elastic.law.edges import ROUGH
+from doormill_ros.robot_model.elastic.law.memory import tried
 from doormill_ros.robot_model.elastic.law.term import LawTerm
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 from doormill_ros.robot_model.law.entries import terms
@@ -178,4 +179,8 @@ def dictionary(case: LoadCase, reflectors: Sequence[str]) -> list[LawTerm]:
     """
     own = tuple(f"reflector {name}" for name in reflectors)
     entries = [(acts_on, own if places is None else places, drives) for acts_on, places, drives in DICTIONARY]
+    entries += [
+        ("spring", (joint,), tuple((friction.driver, (("slope", 0.0),), False) for friction in tried(case, k)))
+        for k, joint in enumerate(JOINTS)
+    ]
     return terms(LawTerm, case, entries, range(1, 7))

@@ -9,6 +9,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.elastic.law.edges import EDGES
+from doormill_ros.robot_model.elastic.law.memory import FRICTIONS
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 from doormill_ros.robot_model.law.parts import Driver, Drivers
 
@@ -46,6 +47,7 @@ DRIVERS: Drivers[LoadCase] = Drivers(
         "temperature": Driver(lambda case, k: _known(case.circumstances.temperature, case), "deg C", False),
         "wrench": Driver(lambda case, k: np.linalg.norm(case.force, axis=1), "N", True),
         **{edge.driver: Driver(edge.moment, "N m", True) for edge in EDGES.values()},
+        **{driver: Driver(friction.share, "", True) for driver, friction in FRICTIONS.items()},
     },
     of_joint=_JOINT,
 )
