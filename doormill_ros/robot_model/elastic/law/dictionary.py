@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from doormill_ros.robot_model.elastic.law.carriers import CARRIERS
+from doormill_ros.robot_model.elastic.law.cracks import ROUGH_CRACKS
 from doormill_ros.robot_model.elastic.law.edges import ROUGH
 from doormill_ros.robot_model.elastic.law.memory import tried
 from doormill_ros.robot_model.elastic.law.term import LawTerm
@@ -46,7 +47,9 @@ _OTHER_ANGLE = (
     *(("waves", float(n)) for n in range(1, OTHER_WAVES + 1)),
     ("positive", 0.0),
 )
-_OWN_ANGLE = (*_OTHER_ANGLE, *(("waves", float(n)) for n in range(OTHER_WAVES + 1, WAVES + 1)))
+#: Teeth wear where they work most.
+_SECTORS = tuple(("sector", float(part)) for part in np.round(np.arange(0.1, 0.95, 0.1), 1))
+_OWN_ANGLE = (*_OTHER_ANGLE, *(("waves", float(n)) for n in range(OTHER_WAVES + 1, WAVES + 1)), *_SECTORS)
 _OTHER_TORQUE = (("slope", 0.0), ("size", 1.0), ("square", 1.0), ("positive", 0.0))
 _AGAINST = (("sign", 0.0), ("positive", 0.0), ("negative", 0.0))
 _LIMITED = (
@@ -133,7 +136,9 @@ DICTIONARY = (
     ("bearing", JOINTS, _BY_WRENCH),
     ("torsion", LINKS, _BY_WRENCH),
     ("bending", LINKS, _BY_WRENCH),
-    ("hinge", LINKS, (*_BY_WRENCH, ("torque sign", (("positive", 0.0),), False))),
+    ("hinge", LINKS, _BY_WRENCH),
+    # A crack that does not close is a hinge; one that holds shut for a while is none.
+    *((crack.acts_on, LINKS, ((crack.driver, (("opening", 0.0),), False),)) for crack in ROUGH_CRACKS),
     ("force bias", ("sensor",), (*_SENSOR, *_PULLED)),
     ("torque bias", ("sensor",), (*_SENSOR, *_PULLED)),
     (
@@ -180,7 +185,11 @@ def dictionary(case: LoadCase, reflectors: Sequence[str]) -> list[LawTerm]:
     own = tuple(f"reflector {name}" for name in reflectors)
     entries = [(acts_on, own if places is None else places, drives) for acts_on, places, drives in DICTIONARY]
     entries += [
-        ("spring", (joint,), tuple((friction.driver, (("slope", 0.0),), False) for friction in tried(case, k)))
+        (
+            "spring",
+            (joint,),
+            tuple((friction.driver, (("slope", 0.0),), False) for friction in tried(case, k)),
+        )
         for k, joint in enumerate(JOINTS)
     ]
     return terms(LawTerm, case, entries, range(1, 7))

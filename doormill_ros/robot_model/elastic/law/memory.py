@@ -20,7 +20,28 @@ from doormill_ros.robot_model.elastic.load_case import LoadCase
 #: Elements that stand for limits spread evenly.
 _SPREAD = 8
 #: Limits a decade, as preferred numbers (ISO 3, R20): those that are tried first are every fourth.
-_DECADE = (1.0, 1.12, 1.25, 1.4, 1.6, 1.8, 2.0, 2.24, 2.5, 2.8, 3.15, 3.55, 4.0, 4.5, 5.0, 5.6, 6.3, 7.1, 8.0, 9.0)
+_DECADE = (
+    1.0,
+    1.12,
+    1.25,
+    1.4,
+    1.6,
+    1.8,
+    2.0,
+    2.24,
+    2.5,
+    2.8,
+    3.15,
+    3.55,
+    4.0,
+    4.5,
+    5.0,
+    5.6,
+    6.3,
+    7.1,
+    8.0,
+    9.0,
+)
 _LIMITS = tuple(float(f"{number * 10.0**power:.3g}") for power in range(-1, 4) for number in _DECADE)
 _ROUGH = 4
 #: Limits that are tried, over the largest torque of the joint in the test.
@@ -65,11 +86,7 @@ FRICTIONS = {one.driver: one for spread in (False, True) for one in (Friction(x,
 def tried(case: LoadCase, joint: int) -> list[Friction]:
     """Those that loadings of a joint (0 ... 5) may tell."""
     share = np.array(_LIMITS[::_ROUGH]) / max(float(case.largest_torque[joint]), 1e-9)
-    limits = [
-        limit
-        for limit, part in zip(_LIMITS[::_ROUGH], share, strict=True)
-        if _LEAST <= part <= _MOST
-    ]
+    limits = [limit for limit, part in zip(_LIMITS[::_ROUGH], share, strict=True) if _LEAST <= part <= _MOST]
     return [Friction(limit, spread) for spread in (False, True) for limit in limits]
 
 
@@ -92,7 +109,9 @@ def let_through(case: LoadCase, joint: int, limits: FloatArray, remembers: bool 
             # What came before is taken off in full: then every element moves back as far as its friction lets it.
             rest[rows] = np.clip(_loaded(rest[before], torque[before], half), -half, half)
         moved = (_loaded(rest[rows], torque[rows], half) - rest[rows]).mean(axis=1)
-        result[rows] = np.where(torque[rows] == 0.0, 0.0, moved / np.where(torque[rows] == 0.0, 1.0, torque[rows]))
+        result[rows] = np.where(
+            torque[rows] == 0.0, 0.0, moved / np.where(torque[rows] == 0.0, 1.0, torque[rows])
+        )
     return result
 
 
