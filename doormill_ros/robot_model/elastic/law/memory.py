@@ -65,7 +65,8 @@ class Friction:
     @property
     def driver(self) -> str:
         """What drives a spring behind it."""
-        return f"path (what friction {'up to' if self.spread else 'of'} {self.limit:g} N m lets through)"
+        limit = f"{'up to' if self.spread else 'of'} {self.limit:g} N m"
+        return f"path (share of the load that friction {limit} lets through)"
 
     def share(self, case: LoadCase, joint: int) -> FloatArray:
         """Part of the torque of a joint (0 ... 5) that it lets through in each loading, shape (n,)."""
@@ -124,16 +125,18 @@ def _loaded(rest: FloatArray, torque: FloatArray, half: FloatArray) -> FloatArra
 def _in_turn(case: LoadCase) -> Sequence[tuple[IntArray, IntArray | None]]:
     """First loadings after a motion, then the second ones, and so on, each with the loadings just before them.
 
-    Nothing is recorded between two loadings: where angles and last motions stayed, the joints did. Readings of one
-    time are of one loading. Where no time is known, every loading comes after a motion.
+    Nothing is recorded between two loadings: where angles and last motions stayed, the joints did. A row whose unloaded
+    reading was taken before the loaded one of the row before is of the same loading. Where no time is known, every
+    loading comes after a motion.
     """
-    n, time = len(case), case.circumstances.time
+    n, time, lasted = len(case), case.circumstances.time, case.circumstances.dt
     if time is None or np.ptp(time) == 0.0:
         return [(np.arange(n), None)]
+    begun = time if lasted is None else time - np.nan_to_num(lasted)
     order = np.argsort(time, kind="stable")
     where = np.column_stack([case.q, case.direction])[order]
     moved = np.any(np.abs(np.diff(where, axis=0)) > _MOVED, axis=1)
-    later = np.diff(np.asarray(time)[order]) > 0.0
+    later = begun[order][1:] > time[order][:-1]
     number, before = np.zeros(n, dtype=int), np.arange(n)
     for i in range(1, n):
         if moved[i - 1]:
