@@ -92,7 +92,7 @@ def across(case: LoadCase, k: int) -> tuple[FloatArray, FloatArray]:
 
 
 def at_middle(case: LoadCase, k: int, turn: FloatArray) -> FloatArray:
-    """Everything beyond the middle of link k + 1 turns about it; points on the link itself stay."""
+    """Everything beyond the middle of link k + 1 turns about it, turn (n, 3) to twist (n, 6); the link itself stays."""
     middle = 0.5 * (case.origin[:, k] + case.origin[:, k + 1])
     twist = np.concatenate([cross(turn, case.point - middle), turn], axis=1)
     twist[case.link < k + 1] = 0.0
