@@ -6,7 +6,9 @@ import yaml
 
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.kinematics import Kinematics
+from doormill_ros.robot_model.elastic.law.carriers import CARRIERS
 from doormill_ros.robot_model.elastic.law.cracks import CRACKS
+from doormill_ros.robot_model.elastic.law.dictionary import dictionary
 from doormill_ros.robot_model.elastic.law.edges import EDGES, ROUGH
 from doormill_ros.robot_model.elastic.law.term import LawTerm
 from doormill_ros.robot_model.elastic.load_case import build_load_case
@@ -112,6 +114,25 @@ def test_a_crack_opens_its_link_half_way_when_the_load_bends_it_one_way_and_not_
     np.testing.assert_allclose(open_[:3], np.cross(open_[3:], tip - middle), rtol=1e-6, atol=1e-12)
     np.testing.assert_allclose(angle, turn * (axis @ np.cross(tip - middle, force)) / most, rtol=1e-6)
     assert {one.way for one in crack.beside()} == {way - 5, way + 5}
+
+
+def test_what_twists_along_the_axis_of_its_joint_is_told_of_the_joint():
+    rng = np.random.default_rng(3)
+    case = build_load_case(
+        Kinematics(ROBOT.dh),
+        Q + rng.uniform(-0.5, 0.5, (9, 6)),
+        rng.normal(0.0, [300.0] * 3 + [30.0] * 3, (9, 6)),
+        POINT,
+        joint_stiffness=ROBOT.stiffness,
+    )
+    for k in (4, 6):
+        one, other = (
+            np.ravel(CARRIERS[name].motion(case, f"{part} {k}")[0])
+            for name, part in (("torsion", "link"), ("spring", "joint"))
+        )
+        np.testing.assert_allclose(one / np.linalg.norm(one), other / np.linalg.norm(other), atol=1e-12)
+    twisting = {term.where for term in dictionary(case, []) if term.acts_on == "torsion"}
+    assert twisting == {"link 1", "link 2", "link 3"}
 
 
 def test_an_edge_has_others_beside_it_that_may_do_better():

@@ -6,13 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from doormill_ros.frames import cross
 from doormill_ros.robot_model.elastic.law.carriers import CARRIERS
 from doormill_ros.robot_model.elastic.law.cracks import ROUGH_CRACKS
 from doormill_ros.robot_model.elastic.law.edges import ROUGH
 from doormill_ros.robot_model.elastic.law.memory import tried
 from doormill_ros.robot_model.elastic.law.term import LawTerm
 from doormill_ros.robot_model.elastic.load_case import LoadCase
-from doormill_ros.robot_model.law.entries import terms
+from doormill_ros.robot_model.law.entries import Entry, terms
 
 JOINTS = tuple(f"joint {k}" for k in range(1, 7))
 LINKS = tuple(f"link {k}" for k in range(1, 7))
@@ -183,7 +184,12 @@ def dictionary(case: LoadCase, reflectors: Sequence[str]) -> list[LawTerm]:
         reflectors: Names of the reflectors.
     """
     own = tuple(f"reflector {name}" for name in reflectors)
-    entries = [(acts_on, own if places is None else places, drives) for acts_on, places, drives in DICTIONARY]
+    # What twists along the axis of its own joint is the spring of that joint in other words.
+    twisting = tuple(link for k, link in enumerate(LINKS) if not _along_its_axis(case, k))
+    entries: list[Entry] = [
+        (acts_on, own if places is None else twisting if acts_on == "torsion" else places, drives)
+        for acts_on, places, drives in DICTIONARY
+    ]
     entries += [
         (
             "spring",
@@ -193,3 +199,10 @@ def dictionary(case: LoadCase, reflectors: Sequence[str]) -> list[LawTerm]:
         for k, joint in enumerate(JOINTS)
     ]
     return terms(LawTerm, case, entries, range(1, 7))
+
+
+def _along_its_axis(case: LoadCase, k: int) -> bool:
+    """Whether the line of link k + 1 is the axis about which its joint turns."""
+    line = case.origin[:, k + 1] - case.origin[:, k]
+    beside = np.linalg.norm(cross(case.axis(k), line), axis=1)
+    return bool(np.all(beside <= 1e-9 + 1e-6 * np.linalg.norm(line, axis=1)))
