@@ -18,6 +18,7 @@ from doormill_ros.robot_model.law.entries import Entry, terms
 JOINTS = tuple(f"joint {k}" for k in range(1, 7))
 LINKS = tuple(f"link {k}" for k in range(1, 7))
 WAVES = 30  #: a turn, at most
+_NO_LENGTH, _NO_ANGLE = 1e-9, 1e-6  #: of a link [m], and between it and an axis [rad]
 OTHER_WAVES = 4  #: the same of another joint's angle: that is no gear
 
 #: Shapes of a kind of driver, each with its own numbers in parts of how the driver was spread in the test:
@@ -205,4 +206,4 @@ def _along_its_axis(case: LoadCase, k: int) -> bool:
     """Whether the line of link k + 1 is the axis about which its joint turns."""
     line = case.origin[:, k + 1] - case.origin[:, k]
     beside = np.linalg.norm(cross(case.axis(k), line), axis=1)
-    return bool(np.all(beside <= 1e-9 + 1e-6 * np.linalg.norm(line, axis=1)))
+    return bool(np.all(beside <= _NO_LENGTH + _NO_ANGLE * np.linalg.norm(line, axis=1)))
