@@ -12,10 +12,8 @@ from doormill_ros.diagnosis.loading.problem import LoadingDiagnosis
 from doormill_ros.pages.charts import BLUE, RED, WIDE, Curve, scatter
 from doormill_ros.pages.page import Block, Charts, PageSection, Paragraphs
 from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
-from doormill_ros.robot_model.elastic.law.drivers import DRIVERS
 from doormill_ros.robot_model.elastic.law.term import LawTerm
 from doormill_ros.robot_model.elastic.load_case import LoadCase
-from doormill_ros.robot_model.law.parts import number_of
 from doormill_ros.units import m_to_um
 
 _SEEN = 0.5  #: motion of the point, over its root mean square, from which an amount is shown
@@ -53,10 +51,11 @@ def _picture(
         theta[fit.part(term)] = 0.0
     left = problem.predict(fit.members, theta).residual
     effect = left - fit.prediction.residual
-    values, label = _abscissa(problem.case, law, effect)
-    motion, unit = effect, "of the law's effect"
     first = law.terms[0]
-    if isinstance(first, LawTerm) and len(moved := first.carrier.motion(problem.case, law.where)) == 1:
+    assert isinstance(first, LawTerm)
+    values, label = _abscissa(problem.case, first, effect)
+    motion, unit = effect, "of the law's effect"
+    if len(moved := first.carrier.motion(problem.case, law.where)) == 1:
         motion, unit = moved[0][:, :3], f"[{first.carrier.unit}]".replace("[1]", "as a share")
     size = np.sum(motion**2, axis=1)
     # Where what it acts on hardly moves the point, the amount is all noise.
@@ -72,9 +71,9 @@ def _picture(
     )
 
 
-def _abscissa(case: LoadCase, law: UnnamedLaw[ElasticCause], effect: FloatArray) -> tuple[FloatArray, str]:
-    """What drives a law, shape (n,), and its label; the size of the effect where that takes two values only."""
-    unit = DRIVERS.driver(law.driver).unit
+def _abscissa(case: LoadCase, term: LawTerm, effect: FloatArray) -> tuple[FloatArray, str]:
+    """What drives a law's first term, shape (n,), and its label; the size of the effect where that has no unit."""
+    unit = term.drives.unit
     if not unit:
         return m_to_um(np.linalg.norm(effect, axis=1)), f"size of the law's effect [{MICRO}m]"
-    return DRIVERS.reading(law.driver, case, number_of(law.where)), f"{law.driver} [{unit}]"
+    return term.values_of(case, term.where, term.driver), f"{term.driver} [{unit}]"

@@ -14,10 +14,14 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.candidate import Candidate
 from doormill_ros.robot_model.elastic.causes.cause import LinearTwist
+from doormill_ros.robot_model.elastic.law.memory import let_through
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
 #: Patterns that let a spring vary; a constant cause beside one of them is only its mean value.
-_VARYING = ("ripple", "square_law", "cubic_law", "one_sided", "dead_zone", "ageing", "warming", "yielding")
+_VARYING = (
+    "ripple", "square_law", "cubic_law", "one_sided", "dead_zone", "ageing", "warming", "yielding", "settling",
+    "remembering",
+)  # fmt: skip
 
 
 class Pattern(LinearTwist):
@@ -68,6 +72,10 @@ _TWIST = 1e-6  #: of a link under torsion [rad / (N m) a metre]
 _YIELD = 1e-7  #: of bearings and base [m / N], [rad / (N m)]
 _OFFSET = 1e-5  #: of a tracker [m]
 _FORCE = 10.0  #: that a sensor reads without load [N]
+#: Parts of a test in which what changes from its start on may settle: a pair spans what lies between.
+_SETTLING = (0.03, 0.12)
+#: Limits of a friction that remembers earlier loadings, over the largest torque of the test: likewise.
+_REMEMBERING = (0.1, 0.4)
 #: What a pattern makes of joint k, 0 ... 5.
 Law = Callable[[LoadCase, int], list[FloatArray]]
 
@@ -127,12 +135,24 @@ def unnamed_patterns(
     known = np.where(np.isfinite(temperature), temperature, np.nan)
     warm = np.zeros_like(time) if np.isnan(known).all() else np.nan_to_num(known - np.nanmean(known))
     late = _over(time)
-    laws = _joint_laws(q, late, _over(dt), warm)
+    laws = _joint_laws(q, late, _early(time), _over(dt), warm)
     return [pattern for k in range(6) for pattern in _of_joint(k, laws)] + _of_all(late, warm)
 
 
+def _early(time: FloatArray) -> list[FloatArray]:
+    """What is still to come of changes that settle, from 1 on, shape (n,) each; 0 where all is of one time."""
+    since, range_ = time - time.min(), np.ptp(time)
+    return [np.zeros_like(time) if range_ == 0.0 else np.exp(-since / (part * range_)) for part in _SETTLING]
+
+
+def _remembered(case: LoadCase, k: int) -> list[FloatArray]:
+    """What friction lets through less for the loadings since the last motion, shape (n,) each; 0 for the first."""
+    limits = [np.array([part * case.largest_torque[k]]) for part in _REMEMBERING]
+    return [let_through(case, k, one, remembers=False) - let_through(case, k, one) for one in limits]
+
+
 def _joint_laws(
-    q: FloatArray, late: FloatArray, long: FloatArray, warm: FloatArray
+    q: FloatArray, late: FloatArray, early: list[FloatArray], long: FloatArray, warm: FloatArray
 ) -> tuple[tuple[str, int, Law, float], ...]:
     """Name, numbers, law and least amplitude; one that stiffens with the torque has a name, one that softens none."""
     return (
@@ -149,6 +169,8 @@ def _joint_laws(
         ("joint_dead_zone", 1, lambda c, k: [np.sign(c.torque[:, k]) * _full(c, k)], _ANY),
         ("joint_direction_shift", 1, lambda c, k: [c.direction[:, k] * _full(c, k)], _ANY),
         ("joint_ageing", 1, lambda c, k: [_springs(c, k) * late], _ANY),
+        ("joint_settling", 2, lambda c, k: [_springs(c, k) * part for part in early], _ANY),
+        ("joint_remembering", 2, lambda c, k: [_springs(c, k) * part for part in _remembered(c, k)], _ANY),
         ("joint_yielding", 1, lambda c, k: [_springs(c, k) * long], _ANY),
         ("joint_creep", 1, lambda c, k: [late * _full(c, k)], _ANY),
         ("joint_warming", 1, lambda c, k: [_springs(c, k) * warm], _ANY),

@@ -13,6 +13,7 @@ from doormill_ros.robot_model.law.parts import number_of
 from doormill_ros.robot_model.law.term import Term, seen_in
 
 KNOTS = 5  #: of a curve
+_SECTOR = 0.2  #: half of a sector, over the range that a driver had
 
 #: Shapes with their rough numbers, in parts of how a driver was spread in the test.
 Shapes = Sequence[tuple[str, float]]
@@ -71,6 +72,8 @@ def numbers_of(shape: str, part: float, values: FloatArray) -> tuple[float, ...]
     largest = max(float(np.abs(values).max()), 1e-9)
     if shape in ("level", "slope", "positive", "negative", "sign"):
         return ()
+    if shape == "sector":
+        return (_SECTOR * float(np.ptp(values)), float(values.min() + part * np.ptp(values)))
     if shape == "waves":
         return (float(part),)
     if shape in ("rise", "line"):

@@ -17,7 +17,11 @@ Numbers = Sequence[float]
 
 
 #: Shapes whose first own number may be refined once one of the dictionary's was taken.
-REFINED = ("periods", "fading", "saturating", "limited", "beyond", "opening", "past", "creeping", "settling")
+_REFINED = (
+    "periods", "fading", "saturating", "limited", "beyond", "opening", "past", "creeping", "settling", "sector",
+)  # fmt: skip
+#: By which it is, and by which parts of its width a sector is moved.
+_FACTORS, _MOVES = (0.6, 0.85, 0.95, 1.05, 1.18, 1.7), (-0.4, -0.1, 0.1, 0.4)
 
 
 @dataclass(frozen=True)
@@ -104,6 +108,10 @@ SHAPES: dict[str, Shape] = {
         lambda x, p: [(x < 0.0).astype(float)], lambda d, u, p, w: f"{w[0]} where {d} is negative"
     ),
     "sign": Shape(lambda x, p: [np.sign(x)], lambda d, u, p, w: f"{w[0]} times the sign of {d}"),
+    "sector": Shape(
+        lambda x, p: [0.5 + 0.5 * np.cos(np.pi * np.clip((x - p[1]) / p[0], -1.0, 1.0))],
+        lambda d, u, p, w: f"{w[0]} at {p[1]:.4g} {u} of {d}, fading away within {p[0]:.4g} {u}",
+    ),
     "waves": Shape(
         lambda x, p: [np.sin(p[0] * x), np.cos(p[0] * x)],
         lambda d, u, p, w: f"{p[0]:.4g} waves a turn of {d}: sine {w[0]}, cosine {w[1]}",
@@ -131,6 +139,14 @@ SHAPES: dict[str, Shape] = {
     ),
     "curve": Shape(_curve, lambda d, u, p, w: f"a curve over {d}: {_at(p, u, w)}"),
 }
+
+
+def refined(shape: str, numbers: tuple[float, ...]) -> list[tuple[float, ...]]:
+    """Own numbers of a shape a little smaller and larger than those of a rough choice; none of one that is no such."""
+    if shape not in _REFINED:
+        return []
+    found = [(factor * numbers[0], *numbers[1:]) for factor in _FACTORS]
+    return found + [(numbers[0], numbers[1] + part * numbers[0]) for part in _MOVES if shape == "sector"]
 
 
 def columns(shape: str, values: FloatArray, numbers: Numbers) -> FloatArray:

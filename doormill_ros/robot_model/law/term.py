@@ -11,10 +11,7 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.candidate import Candidate, Case, CauseParameter
 from doormill_ros.robot_model.law.parts import Carrier, Drivers
-from doormill_ros.robot_model.law.shapes import REFINED, SHAPES, columns
-
-#: By which an own number is refined.
-_STEPS = (0.6, 0.85, 0.95, 1.05, 1.18, 1.7)
+from doormill_ros.robot_model.law.shapes import SHAPES, columns, refined
 
 
 @dataclass(frozen=True)
@@ -104,12 +101,9 @@ class Term(Candidate[Case]):
         return np.asarray(values) / self.carrier.size
 
     def neighbours(self, case: Case) -> list[Self]:
-        """The same term with its first own number a little smaller and larger, where that was a rough choice."""
-        if self.shape not in REFINED:
-            return []
+        """The same term with own numbers a little smaller and larger, where these were a rough choice."""
         values, found = self.values_of(case, self.where, self.driver), []
-        for factor in _STEPS:
-            numbers = (factor * self.numbers[0], *self.numbers[1:])
+        for numbers in refined(self.shape, self.numbers):
             seen = seen_in(values, self.shape, numbers)
             if seen is not None:
                 found.append(type(self)(self.where, self.acts_on, self.driver, self.shape, numbers, seen))

@@ -6,6 +6,9 @@ import yaml
 
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.kinematics import Kinematics
+from doormill_ros.robot_model.elastic.law.carriers import CARRIERS
+from doormill_ros.robot_model.elastic.law.cracks import CRACKS
+from doormill_ros.robot_model.elastic.law.dictionary import dictionary
 from doormill_ros.robot_model.elastic.law.edges import EDGES, ROUGH
 from doormill_ros.robot_model.elastic.law.term import LawTerm
 from doormill_ros.robot_model.elastic.load_case import build_load_case
@@ -89,6 +92,47 @@ def test_a_foot_tips_over_the_edge_that_the_load_pulls_towards_and_over_no_other
     np.testing.assert_allclose(
         np.ravel(moved)[:3], np.cross(angle * axis, tip - 0.4 * out), rtol=1e-6, atol=1e-12
     )
+
+
+@pytest.mark.parametrize("way", [30, 75, 200])
+def test_a_crack_opens_its_link_half_way_when_the_load_bends_it_one_way_and_not_the_other(way):
+    crack, most, turn = CRACKS[f"crack at {way} deg"], 500.0, 3e-4
+    term = LawTerm("link 2", crack.acts_on, crack.driver, "opening", (0.0, most), SeenRange(0.0, 9.0, (0.2,)))
+    frames = Kinematics(ROBOT.dh).link_frames(Q)
+    near, far, tip = frames[1][:3, 3], frames[2][:3, 3], frames[6][:3, :3] @ POINT + frames[6][:3, 3]
+    middle = 0.5 * (near + far)
+    pull = np.array([400.0, 300.0, -100.0, 0.0, 0.0, 0.0])
+    moved = []
+    for wrench in (pull, -pull):
+        with_it, without = (with_law(term, [size]).deflection(Q, wrench, POINT) for size in (turn, 0.0))
+        moved.append((wrench[:3], np.ravel(with_it - without)))
+    (force, open_), (_, shut) = sorted(moved, key=lambda one: -np.linalg.norm(one[1]))
+    np.testing.assert_array_equal(shut, 0.0)
+    angle = np.linalg.norm(open_[3:])
+    axis = open_[3:] / angle
+    assert abs(axis @ (far - near)) < 1e-6
+    np.testing.assert_allclose(open_[:3], np.cross(open_[3:], tip - middle), rtol=1e-6, atol=1e-12)
+    np.testing.assert_allclose(angle, turn * (axis @ np.cross(tip - middle, force)) / most, rtol=1e-6)
+    assert {one.way for one in crack.beside()} == {way - 5, way + 5}
+
+
+def test_what_twists_along_the_axis_of_its_joint_is_told_of_the_joint():
+    rng = np.random.default_rng(3)
+    case = build_load_case(
+        Kinematics(ROBOT.dh),
+        Q + rng.uniform(-0.5, 0.5, (9, 6)),
+        rng.normal(0.0, [300.0] * 3 + [30.0] * 3, (9, 6)),
+        POINT,
+        joint_stiffness=ROBOT.stiffness,
+    )
+    for k in (4, 6):
+        one, other = (
+            np.ravel(CARRIERS[name].motion(case, f"{part} {k}")[0])
+            for name, part in (("torsion", "link"), ("spring", "joint"))
+        )
+        np.testing.assert_allclose(one / np.linalg.norm(one), other / np.linalg.norm(other), atol=1e-12)
+    twisting = {term.where for term in dictionary(case, []) if term.acts_on == "torsion"}
+    assert twisting == {"link 1", "link 2", "link 3"}
 
 
 def test_an_edge_has_others_beside_it_that_may_do_better():

@@ -6,7 +6,7 @@ A carrier times a shape of a driver is a term of a law: "spring of joint 2" time
 from __future__ import annotations
 
 from doormill_ros.robot_model.elastic.law import chain, parts
-from doormill_ros.robot_model.elastic.law.edges import EDGES
+from doormill_ros.robot_model.elastic.law.cracks import OPENING
 from doormill_ros.robot_model.elastic.law.parts import Motion
 from doormill_ros.robot_model.law.parts import Carrier, number_of
 
@@ -40,7 +40,7 @@ CARRIERS: dict[str, Carrier[Motion]] = {
     "tool tilt": Carrier(parts.mount(6, (0, 1)), "rad / (N m)", 1e-6, "tilts"),
     "tool turn": Carrier(parts.mount(6, (2,)), "rad / (N m)", 1e-6, "turns about the axis of the flange"),
     "tool shift": Carrier(parts.yielding(6), "m / N", 1e-7, "yields to the force"),
-    **{name: Carrier(edge.motion, "rad", 1e-5, edge.does) for name, edge in EDGES.items()},
+    **{name: Carrier(one.motion, "rad", 1e-5, one.does) for name, one in OPENING.items()},
     "force bias": Carrier(chain.bias((0, 1, 2)), "N", 5.0, "reads a force too small", False, 3),
     "torque bias": Carrier(chain.bias((3, 4, 5)), "N m", 5.0, "reads a torque too small", False, 3),
     "sensor gain": Carrier(chain.gain, "1", 0.05, "reads too small a share", False),

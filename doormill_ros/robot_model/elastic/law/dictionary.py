@@ -6,15 +6,19 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from doormill_ros.frames import cross
 from doormill_ros.robot_model.elastic.law.carriers import CARRIERS
+from doormill_ros.robot_model.elastic.law.cracks import ROUGH_CRACKS
 from doormill_ros.robot_model.elastic.law.edges import ROUGH
+from doormill_ros.robot_model.elastic.law.memory import tried
 from doormill_ros.robot_model.elastic.law.term import LawTerm
 from doormill_ros.robot_model.elastic.load_case import LoadCase
-from doormill_ros.robot_model.law.entries import terms
+from doormill_ros.robot_model.law.entries import Entry, terms
 
 JOINTS = tuple(f"joint {k}" for k in range(1, 7))
 LINKS = tuple(f"link {k}" for k in range(1, 7))
 WAVES = 30  #: a turn, at most
+_NO_LENGTH, _NO_ANGLE = 1e-9, 1e-6  #: of a link [m], and between it and an axis [rad]
 OTHER_WAVES = 4  #: the same of another joint's angle: that is no gear
 
 #: Shapes of a kind of driver, each with its own numbers in parts of how the driver was spread in the test:
@@ -45,7 +49,9 @@ _OTHER_ANGLE = (
     *(("waves", float(n)) for n in range(1, OTHER_WAVES + 1)),
     ("positive", 0.0),
 )
-_OWN_ANGLE = (*_OTHER_ANGLE, *(("waves", float(n)) for n in range(OTHER_WAVES + 1, WAVES + 1)))
+#: Teeth wear where they work most.
+_SECTORS = tuple(("sector", float(part)) for part in np.round(np.arange(0.1, 0.95, 0.1), 1))
+_OWN_ANGLE = (*_OTHER_ANGLE, *(("waves", float(n)) for n in range(OTHER_WAVES + 1, WAVES + 1)), *_SECTORS)
 _OTHER_TORQUE = (("slope", 0.0), ("size", 1.0), ("square", 1.0), ("positive", 0.0))
 _AGAINST = (("sign", 0.0), ("positive", 0.0), ("negative", 0.0))
 _LIMITED = (
@@ -132,7 +138,9 @@ DICTIONARY = (
     ("bearing", JOINTS, _BY_WRENCH),
     ("torsion", LINKS, _BY_WRENCH),
     ("bending", LINKS, _BY_WRENCH),
-    ("hinge", LINKS, (*_BY_WRENCH, ("torque sign", (("positive", 0.0),), False))),
+    ("hinge", LINKS, _BY_WRENCH),
+    # A crack that does not close is a hinge; one that holds shut for a while is none.
+    *((crack.acts_on, LINKS, ((crack.driver, (("opening", 0.0),), False),)) for crack in ROUGH_CRACKS),
     ("force bias", ("sensor",), (*_SENSOR, *_PULLED)),
     ("torque bias", ("sensor",), (*_SENSOR, *_PULLED)),
     (
@@ -177,5 +185,25 @@ def dictionary(case: LoadCase, reflectors: Sequence[str]) -> list[LawTerm]:
         reflectors: Names of the reflectors.
     """
     own = tuple(f"reflector {name}" for name in reflectors)
-    entries = [(acts_on, own if places is None else places, drives) for acts_on, places, drives in DICTIONARY]
+    # What twists along the axis of its own joint is the spring of that joint in other words.
+    twisting = tuple(link for k, link in enumerate(LINKS) if not _along_its_axis(case, k))
+    entries: list[Entry] = [
+        (acts_on, own if places is None else twisting if acts_on == "torsion" else places, drives)
+        for acts_on, places, drives in DICTIONARY
+    ]
+    entries += [
+        (
+            "spring",
+            (joint,),
+            tuple((friction.driver, (("slope", 0.0),), False) for friction in tried(case, k)),
+        )
+        for k, joint in enumerate(JOINTS)
+    ]
     return terms(LawTerm, case, entries, range(1, 7))
+
+
+def _along_its_axis(case: LoadCase, k: int) -> bool:
+    """Whether the line of link k + 1 is the axis about which its joint turns."""
+    line = case.origin[:, k + 1] - case.origin[:, k]
+    beside = np.linalg.norm(cross(case.axis(k), line), axis=1)
+    return bool(np.all(beside <= _NO_LENGTH + _NO_ANGLE * np.linalg.norm(line, axis=1)))

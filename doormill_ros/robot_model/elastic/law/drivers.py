@@ -8,7 +8,8 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.elastic.law.edges import EDGES
+from doormill_ros.robot_model.elastic.law.cracks import OPENING
+from doormill_ros.robot_model.elastic.law.memory import FRICTIONS
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 from doormill_ros.robot_model.law.parts import Driver, Drivers
 
@@ -45,7 +46,8 @@ DRIVERS: Drivers[LoadCase] = Drivers(
         "time under load": Driver(lambda case, k: _known(case.circumstances.dt, case), "s", False),
         "temperature": Driver(lambda case, k: _known(case.circumstances.temperature, case), "deg C", False),
         "wrench": Driver(lambda case, k: np.linalg.norm(case.force, axis=1), "N", True),
-        **{edge.driver: Driver(edge.moment, "N m", True) for edge in EDGES.values()},
+        **{one.driver: Driver(one.moment, "N m", True) for one in OPENING.values()},
+        **{driver: Driver(friction.share, "", True) for driver, friction in FRICTIONS.items()},
     },
     of_joint=_JOINT,
 )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -31,6 +32,7 @@ class Edge:
     where: str
     way: int
     width: float
+    kind: ClassVar[str] = "tipping"
 
     @property
     def _words(self) -> str:

@@ -81,7 +81,7 @@ def bending(case: LoadCase, where: str) -> list[FloatArray]:
     return [beam.twist(case, one) * beam.values(one, case)]
 
 
-def _across(case: LoadCase, k: int) -> tuple[FloatArray, FloatArray]:
+def across(case: LoadCase, k: int) -> tuple[FloatArray, FloatArray]:
     """Two axes fixed to link k + 1 across its line, shape (n, 3) each."""
     axis, _ = _line(case, k)
     own = case.axes[:, k + 1]
@@ -91,29 +91,34 @@ def _across(case: LoadCase, k: int) -> tuple[FloatArray, FloatArray]:
     return first, cross(axis, first)
 
 
-def _at_middle(case: LoadCase, k: int, turn: FloatArray) -> FloatArray:
-    """Everything beyond the middle of link k + 1 turns about it; points on the link itself stay."""
+def at_middle(case: LoadCase, k: int, turn: FloatArray) -> FloatArray:
+    """Everything beyond the middle of link k + 1 turns about it, turn (n, 3) to twist (n, 6); the link itself stays."""
     middle = 0.5 * (case.origin[:, k] + case.origin[:, k + 1])
     twist = np.concatenate([cross(turn, case.point - middle), turn], axis=1)
     twist[case.link < k + 1] = 0.0
     return twist
 
 
+def moment_at_middle(case: LoadCase, k: int) -> FloatArray:
+    """Moment of the load about the middle of link k + 1, shape (n, 3) [N m]."""
+    lever = 0.5 * (case.origin[:, k] + case.origin[:, k + 1]) - case.origin[:, k + 1]
+    return case.moment[:, k + 1] + cross(-lever, case.force)
+
+
 def hinge(case: LoadCase, where: str) -> list[FloatArray]:
     """By the moment at the middle of the link, about two axes across it and between them; shape (n, 6) each."""
     k = number_of(where)
-    axes = _across(case, k)
-    lever = 0.5 * (case.origin[:, k] + case.origin[:, k + 1]) - case.origin[:, k + 1]
-    moment = case.moment[:, k + 1] + cross(-lever, case.force)
+    axes = across(case, k)
+    moment = moment_at_middle(case, k)
     one, two = (np.sum(moment * axis, axis=1, keepdims=True) for axis in axes)
     turns = (one * axes[0], two * axes[1], one * axes[1] + two * axes[0])
-    return [_at_middle(case, k, turn) for turn in turns]
+    return [at_middle(case, k, turn) for turn in turns]
 
 
 def crooked(case: LoadCase, where: str) -> list[FloatArray]:
     """A kink at the middle of the link about either axis across it; shape (n, 6) each."""
     k = number_of(where)
-    return [_at_middle(case, k, axis) for axis in _across(case, k)]
+    return [at_middle(case, k, axis) for axis in across(case, k)]
 
 
 def longer(case: LoadCase, where: str) -> list[FloatArray]:

@@ -9,8 +9,9 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.elastic.causes.cause import LinearTwist
 from doormill_ros.robot_model.elastic.law.carriers import CARRIERS
+from doormill_ros.robot_model.elastic.law.cracks import OPENING
 from doormill_ros.robot_model.elastic.law.drivers import DRIVERS
-from doormill_ros.robot_model.elastic.law.edges import EDGES
+from doormill_ros.robot_model.elastic.law.memory import FRICTIONS
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 from doormill_ros.robot_model.law.parts import number_of
 from doormill_ros.robot_model.law.term import SeenRange, Term, seen_in
@@ -24,10 +25,12 @@ class LawTerm(Term[LoadCase], LinearTwist):
     def __init__(
         self, where: str, acts_on: str, driver: str, shape: str, numbers: tuple[float, ...], seen: SeenRange
     ) -> None:
-        """As every term; where a face tips, one thing in many readings, as numbers of waves are."""
+        """As every term; what opens or remembers is one thing in many readings, as numbers of waves are."""
         super().__init__(where, acts_on, driver, shape, numbers, seen)
-        if acts_on in EDGES:
-            self.name, self.variant = f"tipping: {shape}", f"{acts_on}, {self.variant}"
+        if acts_on in OPENING:
+            self.name, self.variant = f"{OPENING[acts_on].kind}: {shape}", f"{acts_on}, {self.variant}"
+        elif driver in FRICTIONS:
+            self.name, self.variant = f"{acts_on} behind friction: {shape}", driver
 
     @classmethod
     def values_of(cls, case: LoadCase, where: str, driver: str) -> FloatArray:
@@ -35,14 +38,20 @@ class LawTerm(Term[LoadCase], LinearTwist):
         return DRIVERS.reading(driver, case, number_of(where))
 
     def neighbours(self, case: LoadCase) -> list[Self]:
-        """Also the same over the edges next to its own."""
+        """Also the same over the edges and cracks next to its own, or behind friction of the limits next to its own."""
         found = super().neighbours(case)
-        for edge in EDGES[self.acts_on].beside() if self.acts_on in EDGES else ():
-            values = self.values_of(case, self.where, edge.driver)
+        for friction in FRICTIONS[self.driver].beside() if self.driver in FRICTIONS else ():
+            seen = seen_in(self.values_of(case, self.where, friction.driver), self.shape, self.numbers)
+            if seen is not None:
+                found.append(
+                    type(self)(self.where, self.acts_on, friction.driver, self.shape, self.numbers, seen)
+                )
+        for other in OPENING[self.acts_on].beside() if self.acts_on in OPENING else ():
+            values = self.values_of(case, self.where, other.driver)
             numbers = (self.numbers[0], max(float(values.max()), 1e-9))
             seen = seen_in(values, self.shape, numbers)
             if seen is not None:
-                found.append(type(self)(self.where, edge.acts_on, edge.driver, self.shape, numbers, seen))
+                found.append(type(self)(self.where, other.acts_on, other.driver, self.shape, numbers, seen))
         return found
 
     def unit(self, case: LoadCase) -> FloatArray:
