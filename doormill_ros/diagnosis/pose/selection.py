@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -63,50 +63,57 @@ def scores(validation: Validation, chosen: Sequence[int], left: float) -> list[S
     """Score of some causes of a fit (by index) when each alone is taken away; all together leave a cost `left`."""
     layout = validation.fitted.problem.layout
     kept = [weight > 0.0 for weight in validation.fitted.problem.weights]
-    none = np.zeros(0, dtype=int)
-    unseen = validation.residuals(validation.blocks, none)
+    unseen = validation.residuals(validation.blocks)
     full = validation.cost(unseen)
     full_position = validation.cost(unseen, AXES_OF_POSITION)
-    full_series = validation.cost(validation.residuals(validation.series, none)) if validation.series else []
+    full_series = validation.cost(validation.residuals(validation.series)) if validation.series else []
     sigma = np.array([position for position, _ in validation.fitted.problem.sigmas])
 
-    def score_of(cause: PoseCause, ids: IntArray) -> Score:
-        errors = validation.residuals(validation.blocks, ids)
-        change = by_block([a - b for a, b in zip(validation.cost(errors), full, strict=True)])
-        gain = np.array([part.sum() for part in change])
-        sure = np.array([standard_errors(part) for part in change])
-        every = np.concatenate(change)
-        transfer = np.zeros(0)
-        if validation.series and cause.of_robot:
-            costs = validation.cost(validation.residuals(validation.series, ids))
-            transfer = np.array([float(np.sum(a - b)) for a, b in zip(costs, full_series, strict=True)])
-        total, total_sure = float(every.sum()), standard_errors(every)
-        position = by_block(
-            [a - b for a, b in zip(validation.cost(errors, AXES_OF_POSITION), full_position, strict=True)]
+    def scores_of(asked: Sequence[tuple[PoseCause, IntArray]]) -> Iterator[Score]:
+        """Of causes, each with the coefficients that are taken away."""
+        series = [bool(validation.series) and cause.of_robot for cause, _ in asked]
+        of_series = validation.residuals_less(
+            validation.series, [ids for (_, ids), told in zip(asked, series, strict=True) if told]
         )
-        position_sure = standard_errors(np.concatenate(position))
-        score = Score(
-            cause,
-            gain,
-            sure,
-            total,
-            total_sure,
-            transfer,
-            position_sure,
-            _position_rmse(errors, kept),
-            NO_GAIN,
-        )
-        return replace(score, status=_status(score, max(WORTH, SHARE * left), sigma))
+        for (cause, _), errors, told in zip(
+            asked,
+            validation.residuals_less(validation.blocks, [ids for _, ids in asked]),
+            series,
+            strict=True,
+        ):
+            change = by_block([a - b for a, b in zip(validation.cost(errors), full, strict=True)])
+            gain = np.array([part.sum() for part in change])
+            sure = np.array([standard_errors(part) for part in change])
+            every = np.concatenate(change)
+            transfer = np.zeros(0)
+            if told:
+                costs = validation.cost(next(of_series))
+                transfer = np.array([float(np.sum(a - b)) for a, b in zip(costs, full_series, strict=True)])
+            total, total_sure = float(every.sum()), standard_errors(every)
+            position = by_block(
+                [a - b for a, b in zip(validation.cost(errors, AXES_OF_POSITION), full_position, strict=True)]
+            )
+            position_sure = standard_errors(np.concatenate(position))
+            score = Score(
+                cause,
+                gain,
+                sure,
+                total,
+                total_sure,
+                transfer,
+                position_sure,
+                _position_rmse(errors, kept),
+                NO_GAIN,
+            )
+            yield replace(score, status=_status(score, max(WORTH, SHARE * left), sigma))
 
-    found = []
-    for index in chosen:
-        cause = layout.causes[index]
-        ids = np.arange(layout.size)[layout.part(index)]
-        score = score_of(cause, ids)
-        if cause.imitated and score_of(cause, ids[cause.imitated :]).status != REAL:
-            score = replace(score, status=MATCHED)
-        found.append(score)
-    return found
+    every = [(layout.causes[index], np.arange(layout.size)[layout.part(index)]) for index in chosen]
+    parts = [(cause, ids[cause.imitated :]) for cause, ids in every if cause.imitated]
+    own = {id(score.cause): score.status for score in scores_of(parts)}
+    return [
+        replace(score, status=MATCHED) if own.get(id(score.cause), REAL) != REAL else score
+        for score in scores_of(every)
+    ]
 
 
 def _status(score: Score, worth: float, sigma: FloatArray) -> str:
