@@ -55,10 +55,14 @@ class Fitted:
         return [[one.normal_equations(fold(len(one.error), k)) for one in self.linear] for k in range(FOLDS)]
 
     @cached_property
+    def whole(self) -> tuple[FloatArray, FloatArray]:
+        """Normal equations of all rows, shapes (size, size) and (size,)."""
+        return add_up((block for fold in self.folds for block in fold), self.problem.size)
+
+    @cached_property
     def solution(self) -> Solution:
         """Coefficients with covariance and learnt sizes."""
-        H, g = add_up((block for fold in self.folds for block in fold), self.problem.size)
-        return learn(H, g, self.problem.layout, 4, self.learnt)
+        return learn(*self.whole, self.problem.layout, 4, self.learnt)
 
 
 def contiguous(count: int) -> list[IntArray]:

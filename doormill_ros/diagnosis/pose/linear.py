@@ -31,18 +31,13 @@ class _Part:
 
     Attributes:
         direction: The direction.
-        places: Of the unknowns among those that act in a series, shape (k,).
+        places: Of the unknowns among those that act in a series.
         basis: Displacement for a unit of each, shape (n, k).
     """
 
     direction: int
-    places: IntArray
+    places: slice
     basis: FloatArray
-
-    @property
-    def span(self) -> slice:
-        """The places of neighbours."""
-        return slice(int(self.places[0]), int(self.places[-1]) + 1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,34 +78,54 @@ class Linear:
         return np.unique(np.concatenate([self.own, *(ids for ids, _ in self.bases.values())]))
 
     @cached_property
-    def _parts(self) -> tuple[list[_Part], list[_Part]]:
-        """Wide ones, of neighbouring coefficients that act in one direction and in no other, and the rest."""
+    def _wide(self) -> list[_Part]:
+        """Neighbouring coefficients that act in one direction and in no other."""
         uses = np.bincount(np.concatenate([self.own, *(ids for ids, _ in self.bases.values())]))
-        wide: list[_Part] = []
-        narrow: list[_Part] = []
+        found = []
         for key, (ids, basis) in self.bases.items():
             for run in np.split(np.arange(len(ids)), np.flatnonzero(np.diff(ids) != 1) + 1):
-                part = _Part(key, np.searchsorted(self.ids, ids[run]), basis[:, run[0] : run[-1] + 1])
-                (wide if len(run) >= _WIDE and np.all(uses[ids[run]] == 1) else narrow).append(part)
-        one = np.ones((len(self.error), 1))
-        places = np.searchsorted(self.ids, self.own)
-        narrow += [_Part(key, places[k : k + 1], one) for k, key in enumerate(self.free)]
-        return wide, narrow
+                if len(run) >= _WIDE and np.all(uses[ids[run]] == 1):
+                    first = int(np.searchsorted(self.ids, ids[run[0]]))
+                    columns = basis[:, run[0] : run[-1] + 1]
+                    found.append(_Part(key, slice(first, first + len(run)), columns))
+        return found
 
     @cached_property
-    def _narrow(self) -> IntArray:
+    def _narrow(self) -> tuple[IntArray, IntArray, FloatArray]:
+        """Whatever else acts, in one direction or several: places ascending, directions, displacements (n, k)."""
+        wide = np.concatenate([np.zeros(0, dtype=int), *(self.ids[part.places] for part in self._wide)])
+        places, directions = [np.searchsorted(self.ids, self.own)], [np.array(self.free)]
+        columns = [np.ones((len(self.error), len(self.own)))]
+        for key, (ids, basis) in self.bases.items():
+            rest = np.flatnonzero(~np.isin(ids, wide))
+            places.append(np.searchsorted(self.ids, ids[rest]))
+            directions.append(np.full(len(rest), key))
+            columns.append(basis[:, rest])
+        at = np.concatenate(places)
+        order = np.argsort(at, kind="stable")
+        return at[order], np.concatenate(directions)[order], np.concatenate(columns, axis=1)[:, order]
+
+    @cached_property
+    def _rest(self) -> IntArray:
         """Places of the unknowns that are not in wide parts, shape (k,)."""
-        return np.unique(np.concatenate([part.places for part in self._parts[1]]))
+        return np.unique(self._narrow[0])
 
     def residuals(self, x: FloatArray, rows: IntArray) -> FloatArray:
-        """What some solutions, shape (solutions, size), leave of rows, shape (solutions, len(rows), 6)."""
-        step = (x - self.x).T
-        twists = np.zeros((len(rows), self.D.shape[1], len(x)))
+        """What some solutions, shape (solutions, size), leave of rows, shape (solutions, len(rows), 6).
+
+        All are told by how far they are from the first, so that what is the same leaves the same to the last digit.
+        """
+        first = self.error[rows] - self._moved(x[:1] - self.x, rows)
+        result: FloatArray = np.concatenate([first, first - self._moved(x[1:] - x[0], rows)])
+        return result
+
+    def _moved(self, step: FloatArray, rows: IntArray) -> FloatArray:
+        """By how much some steps, shape (steps, size), move the poses of rows, shape (steps, len(rows), 6)."""
+        twists = np.zeros((len(rows), self.D.shape[1], len(step)))
         for key, (ids, basis) in self.bases.items():
-            twists[:, key] = basis[rows] @ step[ids]
-        twists[:, self.free] += step[self.own]
-        moved = np.swapaxes(twists, 1, 2) @ self.D[rows]
-        result: FloatArray = self.error[rows] - np.swapaxes(moved, 0, 1)
+            twists[:, key] = basis[rows] @ step[:, ids].T
+        twists[:, self.free] += step[:, self.own].T
+        result: FloatArray = np.swapaxes(np.swapaxes(twists, 1, 2) @ self.D[rows], 0, 1)
         return result
 
     def effect(self, rows: IntArray, axes: int) -> FloatArray:
@@ -123,7 +138,7 @@ class Linear:
 
     def normal_equations(self, rows: IntArray) -> Block:
         """Of rows, weighted."""
-        wide, at = self._parts[0], self._narrow
+        wide, rest = self._wide, self._rest
         H, g = np.zeros((len(self.ids), len(self.ids))), np.zeros(len(self.ids))
         for some in np.array_split(rows, 1 + len(rows) // _AT_ONCE):
             D, J, error = self._white(some)
@@ -131,16 +146,16 @@ class Linear:
             bases = [part.basis[some] for part in wide]
             for a, (part, left) in enumerate(zip(wide, bases, strict=True)):
                 for b in range(a, len(wide)):
-                    H[part.span, wide[b].span] += left.T @ (bases[b] * between[:, a, b, None])
-                H[part.span, at] += left.T @ along[:, a]
-                g[part.span] += np.sum(D[:, a] * error, axis=1) @ left
-            flat = J.reshape(-1, len(at))
-            H[np.ix_(at, at)] += flat.T @ flat
-            g[at] += error.ravel() @ flat
+                    H[part.places, wide[b].places] += left.T @ (bases[b] * between[:, a, b, None])
+                H[part.places, rest] += left.T @ along[:, a]
+                g[part.places] += np.sum(D[:, a] * error, axis=1) @ left
+            flat = J.reshape(-1, len(rest))
+            H[np.ix_(rest, rest)] += flat.T @ flat
+            g[rest] += error.ravel() @ flat
         for a, part in enumerate(wide):
             for other in wide[a + 1 :]:
-                H[other.span, part.span] = H[part.span, other.span].T
-            H[at, part.span] = H[part.span, at].T
+                H[other.places, part.places] = H[part.places, other.places].T
+            H[rest, part.places] = H[part.places, rest].T
         return Block(self.series, rows, self.ids, H, g + H @ self.x[self.ids])
 
     def pulls(self, x: FloatArray, blocks: Sequence[IntArray]) -> Iterator[tuple[FloatArray, FloatArray]]:
@@ -157,13 +172,13 @@ class Linear:
             pull, curvature = np.zeros(len(self.ids)), np.zeros(len(self.ids))
             D, J, _ = self._white(rows)
             left = self.residuals(x[None], rows)[0] * self._roots(rows)
-            for a, part in enumerate(self._parts[0]):
+            for a, part in enumerate(self._wide):
                 basis = part.basis[rows]
-                pull[part.span] = np.sum(D[:, a] * left, axis=1) @ basis
-                curvature[part.span] = np.sum(D[:, a] ** 2, axis=1) @ basis**2
-            flat = J.reshape(-1, len(self._narrow))
-            pull[self._narrow] = left.ravel() @ flat
-            curvature[self._narrow] = np.sum(flat**2, axis=0)
+                pull[part.places] = np.sum(D[:, a] * left, axis=1) @ basis
+                curvature[part.places] = np.sum(D[:, a] ** 2, axis=1) @ basis**2
+            flat = J.reshape(-1, len(self._rest))
+            pull[self._rest] = left.ravel() @ flat
+            curvature[self._rest] = np.sum(flat**2, axis=0)
             yield pull, curvature
 
     def _roots(self, rows: IntArray) -> FloatArray:
@@ -172,15 +187,13 @@ class Linear:
         return result
 
     def _white(self, rows: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """White and weighted: motions of wide parts (n, k, 6), derivatives by the others (n, 6, k), errors (n, 6)."""
-        root, (wide, narrow) = self._roots(rows), self._parts
+        """White and weighted: motions of wide parts (n, k, 6), derivatives by the rest (n, 6, k), errors (n, 6)."""
+        root, (places, directions, columns) = self._roots(rows), self._narrow
         D = self.D[rows] * root[:, None, :]
-        J = np.zeros((len(rows), 6, len(self._narrow)))
-        for part in narrow:
-            J[:, :, np.searchsorted(self._narrow, part.places)] += (
-                D[:, part.direction, :, None] * part.basis[rows][:, None, :]
-            )
-        return D[:, [part.direction for part in wide]], J, self.error[rows] * root
+        J = np.swapaxes(D, 1, 2)[:, :, directions] * columns[rows][:, None, :]
+        if len(self._rest) < len(places):
+            J = np.add.reduceat(J, np.searchsorted(places, self._rest), axis=2)
+        return D[:, [part.direction for part in self._wide]], J, self.error[rows] * root
 
     def variance(self, solution: Solution, rows: IntArray, placed: bool) -> FloatArray:
         """Of predicted positions of rows, shape (len(rows), 3) [m^2]; `placed` if marked rows alone place the series.
@@ -214,7 +227,7 @@ class Linear:
         start = self.residuals(x, self.placing) * self.scale
         whisper = np.broadcast_to(_WHISPER * np.eye(len(self.own)), (len(x), len(self.own), len(self.own)))
         for _ in range(3):
-            error = start - (x[:, self.own] @ flat.T).reshape(start.shape)
+            error = start - (flat @ x[:, self.own, None]).reshape(start.shape)
             size = np.linalg.norm(error, axis=2)
             usual = np.median(size, axis=1)[:, None]
             root = np.sqrt(self.weight[self.placing] / np.maximum(1.0, size / (HUBER * usual)))

@@ -11,7 +11,7 @@ import numpy as np
 from doormill_ros.arrays import BoolArray, FloatArray, IntArray
 from doormill_ros.diagnosis.core import verdict
 from doormill_ros.diagnosis.core.held_out import scatter_of
-from doormill_ros.diagnosis.core.ridge import Solution, add_up, without
+from doormill_ros.diagnosis.core.ridge import Solution, without
 from doormill_ros.diagnosis.pose.fit import Fitted, contiguous
 from doormill_ros.diagnosis.pose.noise import left_over
 from doormill_ros.diagnosis.pose.problem import PoseProblem
@@ -123,8 +123,8 @@ def standard_deviations(fit: SeriesFit) -> FloatArray:
 
 def distinct_share(fitted: Fitted) -> FloatArray:
     """Share of every coefficient's effect that no placement can imitate, shape (m,)."""
-    m, size = fitted.problem.layout.size, fitted.problem.size
-    H, _ = add_up((block for fold in fitted.folds for block in fold), size)
+    m = fitted.problem.layout.size
+    H, _ = fitted.whole
     P = H[m:, m:] + 1e-12 * np.diag(np.diag(H)[m:])
     explained = np.sum(H[:m, m:] * np.linalg.solve(P, H[m:, :m]).T, axis=1)
     result: FloatArray = 1.0 - explained / np.maximum(np.diag(H)[:m], 1e-300)

@@ -42,8 +42,7 @@ class Validation:
         self.fitted = fitted
         size, folds, count = fitted.problem.size, fitted.folds, len(fitted.problem.sets)
         parts = (add_up(part, size) for part in folds)
-        whole = add_up((block for part in folds for block in part), size)
-        others = left_out(*whole, parts, self._learnt)
+        others = left_out(*fitted.whole, parts, self._learnt)
         self.blocks = [
             Split(tuple(block.rows for block in part), solution, None)
             for part, solution in zip(folds, others, strict=True)
@@ -80,7 +79,7 @@ class Validation:
     ) -> Iterator[list[FloatArray]]:
         """The same for each of some choices of coefficients, shape (k,), that are held at zero."""
         found = [np.zeros((len(removed), len(one.error), 6)) for one in self.fitted.linear]
-        for split in splits if removed else ():
+        for split in splits:
             x = np.stack([held(split.solution, ids) for ids in removed])
             for one, rows in zip(self.fitted.linear, split.rows, strict=True):
                 if len(rows):
