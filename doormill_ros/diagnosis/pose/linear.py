@@ -123,7 +123,7 @@ class Linear:
         """By how much some steps, shape (steps, size), move the poses of rows, shape (steps, len(rows), 6)."""
         twists = np.zeros((len(rows), self.D.shape[1], len(step)))
         for key, (ids, basis) in self.bases.items():
-            twists[:, key] = basis[rows] @ step[:, ids].T
+            twists[:, key] = _taken(basis, rows) @ step[:, ids].T
         twists[:, self.free] += step[:, self.own].T
         result: FloatArray = np.swapaxes(np.swapaxes(twists, 1, 2) @ self.D[rows], 0, 1)
         return result
@@ -139,15 +139,23 @@ class Linear:
     def normal_equations(self, rows: IntArray) -> Block:
         """Of rows, weighted."""
         wide, rest = self._wide, self._rest
+        at = np.cumsum([0, *(part.basis.shape[1] for part in wide)])
         H, g = np.zeros((len(self.ids), len(self.ids))), np.zeros(len(self.ids))
         for some in np.array_split(rows, 1 + len(rows) // _AT_ONCE):
             D, J, error = self._white(some)
             between, along = D @ np.swapaxes(D, 1, 2), D @ J
-            bases = [part.basis[some] for part in wide]
+            bases = [_taken(part.basis, some) for part in wide]
+            right = np.empty((len(some), at[-1] + len(rest)))
             for a, (part, left) in enumerate(zip(wide, bases, strict=True)):
-                for b in range(a, len(wide)):
-                    H[part.places, wide[b].places] += left.T @ (bases[b] * between[:, a, b, None])
-                H[part.places, rest] += left.T @ along[:, a]
+                own = left * np.sqrt(between[:, a, a, None])
+                H[part.places, part.places] += own.T @ own
+                for b in range(a + 1, len(wide)):
+                    np.multiply(bases[b], between[:, a, b, None], out=right[:, at[b] : at[b + 1]])
+                right[:, at[-1] :] = along[:, a]
+                products = left.T @ right[:, at[a + 1] :]
+                for b in range(a + 1, len(wide)):
+                    H[part.places, wide[b].places] += products[:, at[b] - at[a + 1] : at[b + 1] - at[a + 1]]
+                H[part.places, rest] += products[:, at[-1] - at[a + 1] :]
                 g[part.places] += np.sum(D[:, a] * error, axis=1) @ left
             flat = J.reshape(-1, len(rest))
             H[np.ix_(rest, rest)] += flat.T @ flat
@@ -173,7 +181,7 @@ class Linear:
             D, J, _ = self._white(rows)
             left = self.residuals(x[None], rows)[0] * self._roots(rows)
             for a, part in enumerate(self._wide):
-                basis = part.basis[rows]
+                basis = _taken(part.basis, rows)
                 pull[part.places] = np.sum(D[:, a] * left, axis=1) @ basis
                 curvature[part.places] = np.sum(D[:, a] ** 2, axis=1) @ basis**2
             flat = J.reshape(-1, len(self._rest))
@@ -214,8 +222,8 @@ class Linear:
             A = A - own @ (inverse @ (P.T @ marked))
             A[:, :, self.own] = 0.0
         used = np.flatnonzero(np.any(A, axis=(0, 1)))
-        A = A[:, :, used]
-        result: FloatArray = np.sum((A @ C[np.ix_(used, used)]) * A, axis=2) + noise
+        flat = A[:, :, used].reshape(-1, len(used))
+        result: FloatArray = np.sum((flat @ C[np.ix_(used, used)]) * flat, axis=1).reshape(-1, 3) + noise
         return result
 
     def place(self, x: FloatArray) -> FloatArray:
@@ -239,3 +247,10 @@ class Linear:
             pull = np.swapaxes(Q[:, : A.shape[1]], 1, 2) @ right
             x[:, self.own] += unit * np.linalg.solve(R, pull)[..., 0]
         return x
+
+
+def _taken(values: FloatArray, rows: IntArray) -> FloatArray:
+    """Some rows, ascending, of values: seen, and not copied, where they are neighbours."""
+    if len(rows) and rows[-1] - rows[0] == len(rows) - 1:
+        return values[rows[0] : rows[-1] + 1]
+    return values[rows]

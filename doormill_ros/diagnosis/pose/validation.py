@@ -84,7 +84,8 @@ class Validation:
             for one, rows in zip(self.fitted.linear, split.rows, strict=True):
                 if len(rows):
                     placed = one.place(x) if split.series is not None and not one.shared else x
-                    found[one.series][:, rows] = one.residuals(placed, rows)
+                    for block in np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1):
+                        found[one.series][:, block] = one.residuals(placed, block)
         for choice in range(len(removed)):
             yield [one[choice] for one in found]
 
