@@ -1,4 +1,4 @@
-"""A series whose residuals are a linear function of all unknowns: its normal equations, and the placement alone.
+"""A series whose residuals are a linear function of all unknowns, and its normal equations.
 
 Most coefficients turn one of few joints: the derivative by such a one is a number times the motion of the target for a
 turn of that joint. So products of derivatives are products of those numbers, weighed by products of few motions.
@@ -13,16 +13,13 @@ from functools import cached_property
 import numpy as np
 
 from doormill_ros.arrays import FloatArray, IntArray
-from doormill_ros.diagnosis.core.ridge import Block, Solution
-from doormill_ros.diagnosis.pose.placement import HUBER
+from doormill_ros.diagnosis.core.ridge import Block
 
 #: Neighbouring coefficients in one direction from which on only its motion is multiplied; derivatives by the others are
 #: written out.
 _WIDE = 20
 #: Rows whose derivatives are multiplied at once: more do not stay near the processor.
 _AT_ONCE = 1000
-#: Damping of a placement: directions that the poses leave open stay where they are.
-_WHISPER = 3e-5
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,51 +199,6 @@ class Linear:
         if len(self._rest) < len(places):
             J = np.add.reduceat(J, np.searchsorted(places, self._rest), axis=2)
         return D[:, [part.direction for part in self._wide]], J, self.error[rows] * root
-
-    def variance(self, solution: Solution, rows: IntArray, placed: bool) -> FloatArray:
-        """Of predicted positions of rows, shape (len(rows), 3) [m^2]; `placed` if marked rows alone place the series.
-
-        Then the placement takes up a part of what is wrong in the coefficients, and adds the noise of those rows.
-        """
-        A, C = self.effect(rows, 3), solution.covariance
-        noise = np.zeros((len(rows), 3))
-        if placed and not self.shared:
-            marked = self.effect(self.placing, 6) * self.scale[:, None]
-            marked = marked.reshape(-1, len(solution.x))
-            P = marked[:, self.own]
-            unit = 1.0 / np.linalg.norm(P, axis=0)
-            inverse = np.linalg.inv((P * unit).T @ (P * unit) + _WHISPER**2 * np.eye(len(unit)))
-            inverse *= np.outer(unit, unit)
-            own = A[:, :, self.own]
-            noise = np.sum((own @ inverse) * own, axis=2)
-            A = A - own @ (inverse @ (P.T @ marked))
-            A[:, :, self.own] = 0.0
-        used = np.flatnonzero(np.any(A, axis=(0, 1)))
-        flat = A[:, :, used].reshape(-1, len(used))
-        result: FloatArray = np.sum((flat @ C[np.ix_(used, used)]) * flat, axis=1).reshape(-1, 3) + noise
-        return result
-
-    def place(self, x: FloatArray) -> FloatArray:
-        """Some solutions, shape (solutions, size), with the placement fitted to the rows that may place the series."""
-        x = x.copy()
-        x[:, self.own] = 0.0
-        J = np.swapaxes(self.D[self.placing][:, self.free] * self.scale, 1, 2)
-        flat = J.reshape(-1, len(self.own))
-        start = self.residuals(x, self.placing) * self.scale
-        whisper = np.broadcast_to(_WHISPER * np.eye(len(self.own)), (len(x), len(self.own), len(self.own)))
-        for _ in range(3):
-            error = start - (flat @ x[:, self.own, None]).reshape(start.shape)
-            size = np.linalg.norm(error, axis=2)
-            usual = np.median(size, axis=1)[:, None]
-            root = np.sqrt(self.weight[self.placing] / np.maximum(1.0, size / (HUBER * usual)))
-            # Base and target hardly differ in few poses: by orthogonal steps, which lose half the digits of a sum.
-            A = (J * root[:, :, None, None]).reshape(len(x), -1, len(self.own))
-            unit = 1.0 / np.linalg.norm(A, axis=1)
-            Q, R = np.linalg.qr(np.concatenate([A * unit[:, None], whisper], axis=1))
-            right = (error * root[:, :, None]).reshape(len(x), -1, 1)
-            pull = np.swapaxes(Q[:, : A.shape[1]], 1, 2) @ right
-            x[:, self.own] += unit * np.linalg.solve(R, pull)[..., 0]
-        return x
 
 
 def _taken(values: FloatArray, rows: IntArray) -> FloatArray:

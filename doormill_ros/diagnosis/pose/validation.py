@@ -13,6 +13,7 @@ from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.diagnosis.core.held_out import left_out
 from doormill_ros.diagnosis.core.ridge import Solution, add_up, held, learn, without
 from doormill_ros.diagnosis.pose.fit import BLOCKS, Fitted
+from doormill_ros.diagnosis.pose.placed import place, variance
 
 #: Rounds in which the typical sizes are learnt anew without the part left out.
 ROUNDS = 1
@@ -83,7 +84,7 @@ class Validation:
             x = np.stack([held(split.solution, ids) for ids in removed])
             for one, rows in zip(self.fitted.linear, split.rows, strict=True):
                 if len(rows):
-                    placed = one.place(x) if split.series is not None and not one.shared else x
+                    placed = place(one, x) if split.series is not None and not one.shared else x
                     for block in np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1):
                         found[one.series][:, block] = one.residuals(placed, block)
         for choice in range(len(removed)):
@@ -91,7 +92,7 @@ class Validation:
 
     def variance(self, split: Split, series: int, rows: IntArray) -> FloatArray:
         """Variance of predicted positions of rows from what is uncertain in a split's solution, shape (n, 3) [m^2]."""
-        return self.fitted.linear[series].variance(split.solution, rows, split.series is not None)
+        return variance(self.fitted.linear[series], split.solution, rows, split.series is not None)
 
     def cost(self, errors: Sequence[FloatArray], axes: slice = ALL_AXES) -> list[FloatArray]:
         """Weighted squares of every row in noise units, shape (n,) each; of some of its six components."""
