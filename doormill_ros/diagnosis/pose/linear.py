@@ -134,7 +134,7 @@ class Linear:
         return A
 
     def normal_equations(self, rows: IntArray) -> Block:
-        """Of rows, weighted."""
+        """Of rows, shape (n,), weighted."""
         wide, rest = self._wide, self._rest
         at = np.cumsum([0, *(part.basis.shape[1] for part in wide)])
         H, g = np.zeros((len(self.ids), len(self.ids))), np.zeros(len(self.ids))
