@@ -55,6 +55,6 @@ def variance(linear: Linear, solution: Solution, rows: IntArray, placed: bool) -
         A = A - own @ (inverse @ (P.T @ marked))
         A[:, :, linear.own] = 0.0
     used = np.flatnonzero(np.any(A, axis=(0, 1)))
-    flat = A[:, :, used].reshape(-1, len(used))
+    flat = A[:, :, used].reshape(3 * len(rows), len(used))
     result: FloatArray = np.sum((flat @ C[np.ix_(used, used)]) * flat, axis=1).reshape(-1, 3) + noise
     return result
