@@ -88,6 +88,7 @@ def test_blocks_pull_at_a_solution_what_their_normal_equations_leave(problem):
     problem.weights[1][7] = 0.25
     x = np.random.default_rng(6).normal(scale=1e-4, size=problem.size)
     blocks = blocks_of(problem)
+    assert len(blocks) == 20
     for series, data in enumerate(problem.sets):
         pulls = problem.linear(series).pulls(x, contiguous(len(data)))
         own = [block for block in blocks if block.series == series]
