@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.diagnosis.core.ridge import Block, Solution, add_up, learn
+from doormill_ros.diagnosis.pose.linear import Linear
 from doormill_ros.diagnosis.pose.noise import left_over
 from doormill_ros.diagnosis.pose.placement import Seen, place_together
 from doormill_ros.diagnosis.pose.problem import PoseProblem
@@ -20,6 +22,8 @@ from doormill_ros.units import m_to_um
 
 #: Contiguous blocks of a series, the units of cross-validation.
 BLOCKS = 10
+#: Every so many-th block of each series is left out together.
+FOLDS = 5
 #: Residuals beyond this many standard deviations lose weight, and beyond the second one all of it.
 DOUBT, GROSS = 2.5, 7.0
 #: Smallest part of the rows that is taken to be independent.
@@ -34,18 +38,41 @@ class Fitted:
 
     Attributes:
         problem: Series, causes, current coefficients, placements and weights.
-        solution: Coefficients with covariance and learnt sizes.
-        blocks: Normal equations of all blocks, linearised at the solution.
+        learnt: Prior variances to begin with, shape (size,); None where nothing was learnt yet.
     """
 
     problem: PoseProblem
-    solution: Solution
-    blocks: list[Block]
+    learnt: FloatArray | None
+
+    @cached_property
+    def linear(self) -> list[Linear]:
+        """Every series, linearised at the coefficients."""
+        return [self.problem.linear(series) for series in range(len(self.problem.sets))]
+
+    @cached_property
+    def folds(self) -> list[list[Block]]:
+        """Normal equations of what is left out together: of every series the blocks of a fold."""
+        return [[one.normal_equations(fold(len(one.error), k)) for one in self.linear] for k in range(FOLDS)]
+
+    @cached_property
+    def whole(self) -> tuple[FloatArray, FloatArray]:
+        """Normal equations of all rows, shapes (size, size) and (size,)."""
+        return add_up((block for fold in self.folds for block in fold), self.problem.size)
+
+    @cached_property
+    def solution(self) -> Solution:
+        """Coefficients with covariance and learnt sizes."""
+        return learn(*self.whole, self.problem.layout, 4, self.learnt)
 
 
 def contiguous(count: int) -> list[IntArray]:
     """Rows of the contiguous blocks of a series, shape (k,) each."""
     return [part for part in np.array_split(np.arange(count), BLOCKS) if len(part)]
+
+
+def fold(count: int, number: int) -> IntArray:
+    """Rows of a series that are left out together, shape (k,)."""
+    return np.concatenate([np.zeros(0, dtype=int), *contiguous(count)[number::FOLDS]])
 
 
 def place_nominally(sets: Sequence[PoseSet]) -> list[Placement]:
@@ -82,15 +109,14 @@ def fit_causes(
         problem.weights = [weight.copy() for weight in start.problem.weights]
         problem.sigmas = list(start.problem.sigmas)
         problem.share = start.problem.share
-    rows = [contiguous(len(data)) for data in sets]
     solution: Solution | None = None
     for turn in range(passes):
-        blocks = problem.blocks(rows)
-        H, g = add_up(blocks, problem.size)
+        linear = [problem.linear(series) for series in range(len(sets))]
+        H, g = add_up((one.normal_equations(np.arange(len(one.error))) for one in linear), problem.size)
         solution = learn(
             H, g, problem.layout, 3 if turn == 0 else 8, None if solution is None else solution.variance
         )
-        problem.share = independent_share(blocks, solution, problem.share)
+        problem.share = independent_share(linear, solution, problem.share)
         _move(problem, solution)
         errors = [problem.residual(series) for series in range(len(sets))]
         problem.sigmas = left_over(sets, errors)
@@ -101,29 +127,25 @@ def fit_causes(
         progress(
             f"pass {turn + 1} of {passes}: {problem.layout.size} coefficients, {_told(problem)} per axis left"
         )
-    blocks = problem.blocks(rows)
-    H, g = add_up(blocks, problem.size)
-    solution = learn(H, g, problem.layout, 4, None if solution is None else solution.variance)
-    return Fitted(problem, solution, blocks)
+    return Fitted(problem, None if solution is None else solution.variance)
 
 
-def independent_share(blocks: Sequence[Block], solution: Solution, share: float) -> float:
+def independent_share(linear: Sequence[Linear], solution: Solution, share: float) -> float:
     """Part of the rows that count as independent, from how far the blocks disagree with the common solution.
 
     With independent residuals the gradient of a block scatters by the square root of its own second derivative; where
     rows of a block err alike it scatters more, and every standard deviation with it.
 
     Args:
-        blocks: Normal equations, weighted with `share`.
+        linear: The series, weighted with `share`.
         solution: The common solution.
-        share: Part of the rows that counted in the blocks.
+        share: Part of the rows that counted.
     """
     excess = []
-    for block in blocks:
-        curvature = np.diag(block.H)
-        acts = curvature > 1e-9 * curvature.max()
-        pull = block.g - block.H @ solution.x[block.ids]
-        excess.append(np.mean(pull[acts] ** 2 / curvature[acts]) / share)
+    for one in linear:
+        for pull, curvature in one.pulls(solution.x, contiguous(len(one.error))):
+            acts = curvature > 1e-9 * curvature.max()
+            excess.append(np.mean(pull[acts] ** 2 / curvature[acts]) / share)
     return float(np.clip(1.0 / max(np.mean(excess), 1e-12), LEAST_SHARE, 1.0))
 
 

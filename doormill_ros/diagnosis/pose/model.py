@@ -11,8 +11,8 @@ import numpy as np
 from doormill_ros.arrays import BoolArray, FloatArray, IntArray
 from doormill_ros.diagnosis.core import verdict
 from doormill_ros.diagnosis.core.held_out import scatter_of
-from doormill_ros.diagnosis.core.ridge import Solution, add_up, without
-from doormill_ros.diagnosis.pose.fit import Fitted
+from doormill_ros.diagnosis.core.ridge import Solution, without
+from doormill_ros.diagnosis.pose.fit import Fitted, contiguous
 from doormill_ros.diagnosis.pose.noise import left_over
 from doormill_ros.diagnosis.pose.problem import PoseProblem
 from doormill_ros.diagnosis.pose.validation import Validation
@@ -76,11 +76,11 @@ class SeriesFit:
     @cached_property
     def errors(self) -> Errors:
         """What it leaves of every row."""
-        none, validation = np.zeros(0, dtype=int), self.validation
+        validation = self.validation
         return Errors(
             [self.problem.residual(i) for i in range(len(self.problem.sets))],
-            validation.residuals(validation.blocks, none),
-            validation.residuals(validation.series, none) if validation.series else [],
+            validation.residuals(validation.blocks),
+            validation.residuals(validation.series) if validation.series else [],
         )
 
 
@@ -109,12 +109,13 @@ def figures(
 def standard_deviations(fit: SeriesFit) -> FloatArray:
     """Of every coefficient: of the fit, or from the scatter of the blocks where that is larger, shape (m,)."""
     size, solution = fit.problem.size, fit.solution
-    pull = []
-    for block in fit.fitted.blocks:
-        one = np.zeros(size)
-        one[block.ids] = block.g - block.H @ solution.x[block.ids]
-        pull.append(one)
-    scatter = scatter_of(np.array(pull), solution.covariance)
+    pulls = []
+    for one in fit.fitted.linear:
+        for pull, _ in one.pulls(solution.x, contiguous(len(one.error))):
+            whole = np.zeros(size)
+            whole[one.ids] = pull
+            pulls.append(whole)
+    scatter = scatter_of(np.array(pulls), solution.covariance)
     m = fit.problem.layout.size
     result: FloatArray = np.maximum(np.sqrt(np.diag(solution.covariance)), scatter)[:m]
     return result
@@ -122,8 +123,8 @@ def standard_deviations(fit: SeriesFit) -> FloatArray:
 
 def distinct_share(fitted: Fitted) -> FloatArray:
     """Share of every coefficient's effect that no placement can imitate, shape (m,)."""
-    m, size = fitted.problem.layout.size, fitted.problem.size
-    H, _ = add_up(fitted.blocks, size)
+    m = fitted.problem.layout.size
+    H, _ = fitted.whole
     P = H[m:, m:] + 1e-12 * np.diag(np.diag(H)[m:])
     explained = np.sum(H[:m, m:] * np.linalg.solve(P, H[m:, :m]).T, axis=1)
     result: FloatArray = 1.0 - explained / np.maximum(np.diag(H)[:m], 1e-300)

@@ -63,12 +63,14 @@ def first_placement(T_base_flange: FloatArray, position: FloatArray, rotation: F
     """
     pick = np.unique(np.linspace(0, len(position) - 1, min(_SAMPLE, len(position))).astype(int))
     flange, seen = T_base_flange[pick, :3, :3], rotation[pick]
+    # Either rotation is the nearest one to a matrix that is linear in the other: sums over the rows are formed once.
+    products = np.einsum("nij,nkl->ijkl", seen, flange)
+    targets = Rotation.create_group("T").as_matrix()
+    for _ in range(80):
+        bases = _nearest(np.einsum("ijkl,slj->sik", products, targets))
+        targets = _nearest(np.einsum("jkli,sjl->sik", products, bases))
     best: tuple[float, FloatArray, FloatArray] | None = None
-    for start in Rotation.create_group("T").as_matrix():
-        R_flange_target = start
-        for _ in range(80):
-            R_tracker_base = _nearest(np.einsum("nij,nkj->ik", seen, flange @ R_flange_target))
-            R_flange_target = _nearest(np.einsum("nji,njk->ik", R_tracker_base @ flange, seen))
+    for R_tracker_base, R_flange_target in zip(bases, targets, strict=True):
         cost = float(np.median(np.abs(seen - R_tracker_base @ flange @ R_flange_target).sum(axis=(1, 2))))
         if best is None or cost < best[0] * (1.0 - 1e-6):
             best = (cost, R_tracker_base, R_flange_target)
@@ -188,6 +190,8 @@ def _refined(parts: Sequence[Seen], sigma: tuple[float, float], placement: Place
 
 
 def _nearest(matrix: FloatArray) -> FloatArray:
+    """Nearest rotations, shape (..., 3, 3)."""
     U, _, V = np.linalg.svd(matrix)
-    result: FloatArray = U @ np.diag([1.0, 1.0, np.linalg.det(U @ V)]) @ V
+    U[..., 2] *= np.linalg.det(U @ V)[..., None]
+    result: FloatArray = U @ V
     return result

@@ -1,18 +1,19 @@
-"""Series, causes and the normal equations of every block of rows.
+"""Series, causes, and the numbers at which they stand.
 
-The residual is very nearly linear in all causes, so one pass over the data gives, for every block, all that
-later fits, cross-validations and comparisons of causes need: sums of products of derivatives.
+The residual is very nearly linear in all causes, so one pass over the data gives all that later fits,
+cross-validations and comparisons of causes need.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from copy import copy
 
 import numpy as np
 
 from doormill_ros.arrays import FloatArray, IntArray
-from doormill_ros.diagnosis.core.ridge import Block
+from doormill_ros.diagnosis.pose.linear import Linear
+from doormill_ros.diagnosis.pose.placement import rows_needed
 from doormill_ros.measurements.pose_set import PoseSet, placement_owners
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
 from doormill_ros.robot_model.pose.chain import (
@@ -24,6 +25,9 @@ from doormill_ros.robot_model.pose.chain import (
     residual,
 )
 from doormill_ros.robot_model.pose.layout import design, frame_twists, lay_out
+
+#: Rows that place a series left out when the set marks too few: every so many-th, yet at least so many.
+_EVERY, _LEAST = 25, 12
 
 
 class PoseProblem:
@@ -96,62 +100,34 @@ class PoseProblem:
         other.move(x)
         return other
 
-    def frames(self, series: int, x: FloatArray | None = None, rows: IntArray | None = None) -> FloatArray:
-        """Displaced frames of a series or some rows of it, shape (n, J + 1, 4, 4)."""
+    def frames(self, series: int, x: FloatArray | None = None) -> FloatArray:
+        """Displaced frames of a series, shape (n, J + 1, 4, 4)."""
         x = self.x if x is None else x
-        rows = np.arange(len(self.sets[series])) if rows is None else rows
-        bases = {key: (ids, basis[rows]) for key, (ids, basis) in self.bases[series].items()}
-        return frames(self.views[series].transforms[rows], frame_twists(bases, x, len(rows), self.joints))
+        twists = frame_twists(self.bases[series], x, len(self.sets[series]), self.joints)
+        return frames(self.views[series].transforms, twists)
 
     def residual(self, series: int, x: FloatArray | None = None) -> FloatArray:
         """Residual with the current placement, base axes, shape (n, 6)."""
         data = self.sets[series]
         return residual(self.frames(series, x), self.placements[series], data.position, data.rotation)
 
-    def blocks(
-        self, rows: Sequence[Sequence[IntArray]], progress: Callable[[int], None] = lambda n: None
-    ) -> list[Block]:
-        """Normal equations of blocks of rows, shape (k,) each, given for every series."""
-        found = []
-        for series, parts in enumerate(rows):
-            T = self.frames(series)
-            data, placement = self.sets[series], self.placements[series]
-            error = residual(T, placement, data.position, data.rotation)
-            for part in parts:
-                found.append(self._block(series, part, T[part], error[part]))
-                progress(len(part))
-        return found
-
-    def _block(self, series: int, rows: IntArray, T: FloatArray, error: FloatArray) -> Block:
-        weight = self.share * self.weights[series][rows]
-        scale = self.scale(series) * np.sqrt(weight)[:, None]
-        D = derivatives(T, self.placements[series]) * scale[:, None, :]
-        bases = {key: (ids, basis[rows]) for key, (ids, basis) in self.bases[series].items()}
-        own = self.placement_ids(series)
-        one = np.ones((len(rows), 1))
-        for key, column in zip(self.free[series], own, strict=True):
-            ids, basis = bases.get(key, (np.zeros(0, dtype=int), np.zeros((len(rows), 0))))
-            bases[key] = (np.append(ids, column), np.concatenate([basis, one], axis=1))
-        keys = sorted(bases)
-        S = np.einsum("nac,nbc->abn", D[:, keys], D[:, keys])
-        order = np.concatenate([bases[key][0] for key in keys])
-        at = np.concatenate([[0], np.cumsum([len(bases[key][0]) for key in keys])])
-        H = np.empty((len(order), len(order)))
-        y = np.einsum("nac,nc->an", D[:, keys], error * scale)
-        g = np.empty(len(order))
-        for a, key in enumerate(keys):
-            left = bases[key][1]
-            here = slice(at[a], at[a + 1])
-            g[here] = left.T @ y[a]
-            for b in range(a, len(keys)):
-                there = slice(at[b], at[b + 1])
-                H[here, there] = left.T @ (S[a, b][:, None] * bases[keys[b]][1])
-                H[there, here] = H[here, there].T
-        ids, place = np.unique(order, return_inverse=True)
-        if len(ids) < len(order):  # one coefficient in several directions
-            once = np.zeros((len(ids), len(order)))
-            once[place, np.arange(len(order))] = 1.0
-            order, H, g = ids, once @ H @ once.T, once @ g
-        x = np.concatenate([self.x, np.zeros(self.size - self.layout.size)])[order]
-        c = float(np.sum((error * scale) ** 2)) + float(x @ (2.0 * g + H @ x))
-        return Block(series, rows, order, H, g + H @ x, c, float(weight.sum()))
+    def linear(self, series: int) -> Linear:
+        """A series linearised at the current numbers."""
+        data, placement, weight = self.sets[series], self.placements[series], self.weights[series]
+        T = self.frames(series)
+        marked = np.flatnonzero(data.placement & (weight > 0.0))
+        every = max(1, min(_EVERY, len(data) // _LEAST))
+        return Linear(
+            series,
+            residual(T, placement, data.position, data.rotation),
+            derivatives(T, placement),
+            self.bases[series],
+            np.concatenate([self.x, np.zeros(self.size - self.layout.size)]),
+            self.free[series],
+            self.placement_ids(series),
+            self.scale(series),
+            weight,
+            self.share,
+            marked if len(marked) >= rows_needed(data.oriented) else np.arange(0, len(data), every),
+            self.owner.count(self.owner[series]) > 1,
+        )

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from doormill_ros.arrays import BoolArray, FloatArray, IntArray
+from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.diagnosis.core.held_out import standard_errors
 from doormill_ros.diagnosis.core.verdict import rmse
 from doormill_ros.diagnosis.pose.validation import AXES_OF_POSITION, Validation, by_block
@@ -63,23 +63,30 @@ def scores(validation: Validation, chosen: Sequence[int], left: float) -> list[S
     """Score of some causes of a fit (by index) when each alone is taken away; all together leave a cost `left`."""
     layout = validation.fitted.problem.layout
     kept = [weight > 0.0 for weight in validation.fitted.problem.weights]
+    sigma = np.array([position for position, _ in validation.fitted.problem.sigmas])
+    every = [(layout.causes[index], np.arange(layout.size)[layout.part(index)]) for index in chosen]
+    # What others imitate is asked once more without the part that they do as well.
+    asked = [*every, *((cause, ids[cause.imitated :]) for cause, ids in every if cause.imitated)]
     none = np.zeros(0, dtype=int)
-    unseen = validation.residuals(validation.blocks, none)
+    in_blocks = validation.residuals_less(validation.blocks, [none, *(ids for _, ids in asked)])
+    in_series = validation.residuals_less(
+        validation.series, [none, *(ids for cause, ids in asked if cause.of_robot)]
+    )
+    unseen = next(in_blocks)
     full = validation.cost(unseen)
     full_position = validation.cost(unseen, AXES_OF_POSITION)
-    full_series = validation.cost(validation.residuals(validation.series, none)) if validation.series else []
-    sigma = np.array([position for position, _ in validation.fitted.problem.sigmas])
+    full_series = validation.cost(next(in_series))
 
-    def score_of(cause: PoseCause, ids: IntArray) -> Score:
-        errors = validation.residuals(validation.blocks, ids)
+    def score_of(cause: PoseCause, errors: Sequence[FloatArray]) -> Score:
         change = by_block([a - b for a, b in zip(validation.cost(errors), full, strict=True)])
         gain = np.array([part.sum() for part in change])
         sure = np.array([standard_errors(part) for part in change])
         every = np.concatenate(change)
         transfer = np.zeros(0)
-        if validation.series and cause.of_robot:
-            costs = validation.cost(validation.residuals(validation.series, ids))
-            transfer = np.array([float(np.sum(a - b)) for a, b in zip(costs, full_series, strict=True)])
+        if cause.of_robot:
+            costs = validation.cost(next(in_series))
+            if validation.series:
+                transfer = np.array([float(np.sum(a - b)) for a, b in zip(costs, full_series, strict=True)])
         total, total_sure = float(every.sum()), standard_errors(every)
         position = by_block(
             [a - b for a, b in zip(validation.cost(errors, AXES_OF_POSITION), full_position, strict=True)]
@@ -98,15 +105,12 @@ def scores(validation: Validation, chosen: Sequence[int], left: float) -> list[S
         )
         return replace(score, status=_status(score, max(WORTH, SHARE * left), sigma))
 
-    found = []
-    for index in chosen:
-        cause = layout.causes[index]
-        ids = np.arange(layout.size)[layout.part(index)]
-        score = score_of(cause, ids)
-        if cause.imitated and score_of(cause, ids[cause.imitated :]).status != REAL:
-            score = replace(score, status=MATCHED)
-        found.append(score)
-    return found
+    found = [score_of(cause, errors) for (cause, _), errors in zip(asked, in_blocks, strict=True)]
+    own = {id(score.cause): score.status for score in found[len(every) :]}
+    return [
+        replace(score, status=MATCHED) if own.get(id(score.cause), REAL) != REAL else score
+        for score in found[: len(every)]
+    ]
 
 
 def _status(score: Score, worth: float, sigma: FloatArray) -> str:

@@ -52,9 +52,9 @@ def lay_out(causes: Sequence[PoseCause]) -> Layout:
     )
 
 
-def design(view: SetView, layout: Layout) -> dict[int, tuple[FloatArray, FloatArray]]:
+def design(view: SetView, layout: Layout) -> dict[int, tuple[IntArray, FloatArray]]:
     """Index of the coefficients (k,) and basis (n, k) by direction, for one series."""
-    found: dict[int, list[tuple[FloatArray, FloatArray]]] = {}
+    found: dict[int, list[tuple[IntArray, FloatArray]]] = {}
     for index, cause in enumerate(layout.causes):
         for columns in cause.columns(view):
             first = int(layout.start[index]) + columns.first
@@ -67,7 +67,7 @@ def design(view: SetView, layout: Layout) -> dict[int, tuple[FloatArray, FloatAr
 
 
 def frame_twists(
-    bases: dict[int, tuple[FloatArray, FloatArray]], x: FloatArray, n: int, joints: int
+    bases: dict[int, tuple[IntArray, FloatArray]], x: FloatArray, n: int, joints: int
 ) -> FloatArray:
     """Twists of all frames of a robot of J joints, shape (n, J + 1, 6)."""
     twists = np.zeros((n, AXES * (joints + 1)))

@@ -14,6 +14,7 @@ from doormill_ros.robot_model.pose.causes.joint_sag import JointSag
 from doormill_ros.robot_model.pose.causes.joint_wobble import JointWobble
 from doormill_ros.robot_model.pose.causes.link_geometry import LinkGeometry
 from doormill_ros.robot_model.pose.causes.thermal_drift import PoseDrift
+from doormill_ros.robot_model.pose.causes.tracker_scale import PoseTrackerScale
 
 
 @pytest.fixture
@@ -23,7 +24,8 @@ def problem(tmp_path, write_pose_sets, faults):
     causes = [
         LinkGeometry("link 3", sets[0].dh),
         JointSag("joint 2"),
-        JointPeriodicError("joint 4", (1, 5)),
+        JointPeriodicError("joint 4", range(1, 12)),
+        JointPeriodicError("joint 5", range(2, 13)),
         JointWobble("joint 2", (2,)),
         PoseDrift("set second"),
     ]
@@ -55,10 +57,17 @@ def numeric_jacobian(problem, series):
     return J
 
 
+def blocks_of(problem):
+    return [
+        problem.linear(series).normal_equations(rows)
+        for series, data in enumerate(problem.sets)
+        for rows in contiguous(len(data))
+    ]
+
+
 def test_blocks_hold_the_products_of_the_derivatives(problem):
-    rows = [contiguous(len(data)) for data in problem.sets]
     problem.weights[0][3] = 0.25
-    H, g = add_up(problem.blocks(rows), problem.size)
+    H, g = add_up(blocks_of(problem), problem.size)
     J = [numeric_jacobian(problem, series) for series in range(2)]
     scale = np.repeat(1.0 / np.array(problem.sigmas[0]), 3)
     weights = [np.repeat(w, 6) for w in problem.weights]
@@ -72,6 +81,35 @@ def test_blocks_hold_the_products_of_the_derivatives(problem):
         for s, (j, w) in enumerate(zip(J, weights, strict=True))
     )
     np.testing.assert_allclose(g[:cut], slope[:cut], rtol=1e-3, atol=1e-4 * np.abs(slope[:cut]).max())
+
+
+def test_blocks_pull_at_a_solution_what_their_normal_equations_leave(problem):
+    problem.share = 0.5
+    problem.weights[1][7] = 0.25
+    x = np.random.default_rng(6).normal(scale=1e-4, size=problem.size)
+    blocks = blocks_of(problem)
+    assert len(blocks) == 20
+    for series, data in enumerate(problem.sets):
+        pulls = problem.linear(series).pulls(x, contiguous(len(data)))
+        own = [block for block in blocks if block.series == series]
+        for block, (pull, curvature) in zip(own, pulls, strict=True):
+            wanted = block.g - block.H @ x[block.ids]
+            np.testing.assert_allclose(pull, wanted, rtol=1e-8, atol=1e-10 * np.abs(wanted).max())
+            np.testing.assert_allclose(curvature, np.diag(block.H), rtol=1e-10)
+
+
+def test_rows_at_once_are_the_rows_block_by_block(tmp_path, write_pose_sets, faults):
+    """Of more rows than are multiplied at a time; a scale acts in three directions at once."""
+    [folder] = write_pose_sets(tmp_path, faults(names=["one"]), 1100, 8)
+    data = read_pose_set(folder)
+    causes = [JointPeriodicError("joint 4", range(1, 12)), PoseTrackerScale("tracker")]
+    linear = PoseProblem([data], causes, place_nominally([data])).linear(0)
+    whole = linear.normal_equations(np.arange(1100))
+    parts = [linear.normal_equations(rows) for rows in contiguous(1100)]
+    np.testing.assert_allclose(whole.H, sum(part.H for part in parts), rtol=1e-9, atol=1e-9 * whole.H.max())
+    np.testing.assert_allclose(whole.g, sum(part.g for part in parts), atol=1e-9 * np.abs(whole.g).max())
+    J = (linear.effect(np.arange(1100), 6) * linear.scale[:, None]).reshape(-1, len(linear.x))
+    np.testing.assert_allclose(whole.H, J.T @ J, rtol=1e-9, atol=1e-9 * whole.H.max())
 
 
 def test_solve_is_ridge_regression():
@@ -102,16 +140,17 @@ def test_held_out_rows_do_not_touch_their_prediction(tmp_path, write_pose_sets, 
     sets = [read_pose_set(folder) for folder in folders]
     causes = [JointSag("joint 2"), LinkGeometry("link 3", sets[0].dh)]
     fitted = fit_causes(sets, causes, place_nominally(sets), 2)
-    before = Validation(fitted).residuals(Validation(fitted).blocks, np.zeros(0, dtype=int))
-    # Rows of block 0 predicted by fold 0: spoil their normal equations, the prediction must not move.
-    spoilt = list(fitted.blocks)
-    for b in spoilt[::10]:
+    before = Validation(fitted).residuals(Validation(fitted).blocks)
+    # Rows predicted by fold 0: spoil their normal equations, the prediction must not move.
+    spoilt = Fitted(fitted.problem, fitted.learnt)
+    spoilt.solution = fitted.solution
+    for b in spoilt.folds[0]:
         b.g[:] += 1e3
-    after = Validation(Fitted(fitted.problem, fitted.solution, spoilt))
-    after = after.residuals(after.blocks, np.zeros(0, dtype=int))
-    rows = fitted.blocks[0].rows
+    after = Validation(spoilt)
+    after = after.residuals(after.blocks)
+    rows = fitted.folds[0][0].rows
     np.testing.assert_allclose(after[0][rows], before[0][rows], atol=1e-12)
-    others = fitted.blocks[1].rows
+    others = fitted.folds[1][0].rows
     assert np.abs(after[0][others] - before[0][others]).max() > 1e-9
 
 
