@@ -25,6 +25,8 @@ from doormill_ros.nodes.mailboxes import (
 from support.cell_processes import executable
 
 LIMIT = 120.0  # s
+#: Beyond those that tests have (conftest.py): nobody speaks there who might take a busy process for dead.
+DOMAIN = 100
 
 
 def ports_of(process: int) -> list[str]:
@@ -39,10 +41,9 @@ def active(folder: Path, name: str) -> Iterator[tuple[subprocess.Popen[bytes], P
     """An active node as a process of its own, and what it says."""
     log = folder / f"{name}.txt"
     command = [executable(name), "--ros-args", "-p", f"database_url:=sqlite:///{folder / 'r.sqlite'}"]
+    own = {"ROS_DOMAIN_ID": str(DOMAIN), "ROS_LOG_DIR": str(folder / "ros")}
     with open(log, "wb") as said:
-        process = subprocess.Popen(
-            command, stdout=said, stderr=said, env={**os.environ, "ROS_LOG_DIR": str(folder / "ros")}
-        )
+        process = subprocess.Popen(command, stdout=said, stderr=said, env={**os.environ, **own})
     try:
         wait_for(lambda: "active" in log.read_text(), process, log)
         yield process, log
