@@ -5,6 +5,8 @@ Medians are taken without the checks on which NumPy's own spends most of its tim
 
 from __future__ import annotations
 
+from functools import reduce
+
 import numpy as np
 
 from doormill_ros.arrays import BoolArray, Float32Array, FloatArray, IntArray
@@ -31,6 +33,15 @@ def row_medians(values: Float32Array) -> Float32Array:
     rows.sort(axis=-1)  # rows are short, and sooner sorted than partitioned
     middles: Float32Array = rows[..., values.shape[-1] // 2]
     return middles
+
+
+def running_means(values: Float32Array, count: int) -> Float32Array:
+    """Means of so many neighbours along the last axis of (..., m), shape (..., m - count + 1)."""
+    last = values.shape[-1] - count + 1
+    means: Float32Array = reduce(np.add, (values[..., i : last + i] for i in range(count))) / np.float32(
+        count
+    )
+    return means
 
 
 def share(chosen: BoolArray) -> float:

@@ -237,11 +237,7 @@ def _rounding(grey: FloatArray, inside: Variograms, outside: Variograms) -> Floa
     share = (grey - low) / max(high - low, 1.0)
     out = 1.0 - share if grey[0] > grey[-1] else share
     noise = (1.0 - out) * inside.rows[1] + out * outside.rows[1]
-    steep = np.empty(grey.size)
-    np.subtract(grey[2:], grey[:-2], out=steep[1:-1])
-    steep[1:-1] /= 2.0
-    steep[0], steep[-1] = grey[1] - grey[0], grey[-1] - grey[-2]
-    apart = noise + np.square(_WITHIN * steep)
+    apart = noise + np.square(_WITHIN * np.gradient(grey))
     reach = (_LEVELS**2 + apart)[:, None] + apart
     covariance: FloatArray = grey[:, None] - grey
     covariance *= covariance

@@ -7,7 +7,7 @@ nominal corner. The strip is sampled from the picture averaged down by ACROSS an
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache, reduce
+from functools import cached_property, lru_cache
 
 import cv2
 import numpy as np
@@ -16,7 +16,7 @@ from doormill_ros.arrays import ByteArray, Float32Array, FloatArray
 from doormill_ros.localization.errors import NoEdge
 from doormill_ros.localization.quartered import quartered
 from doormill_ros.localization.view import BOTTOM, HINGE, FaceView
-from doormill_ros.statistics import row_medians
+from doormill_ros.statistics import row_medians, running_means
 
 ACROSS, ALONG = 4, 8  # pixels averaged for the search, across the edge and along it
 WING = 2  # samples averaged on each side of a step
@@ -160,8 +160,7 @@ def find_steps(small: Float32Array, where: Band, tilts: FloatArray, free: float,
     """
     values = cv2.remap(small, where.map_u, where.map_v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     count = len(where.across)
-    wing = reduce(np.add, (values[:, i : count - WING + 1 + i] for i in range(WING)))
-    wing *= np.float32(1.0 / WING)
+    wing = running_means(values, WING)
     rows = np.zeros((len(where.along), count), dtype=np.float32)
     np.subtract(wing[:, WING:], wing[:, :-WING], out=rows[:, WING : count + 1 - WING])
     first = int(np.searchsorted(where.along, free))

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from functools import reduce
-
 import numpy as np
 
 from doormill_ros.arrays import ByteArray, FloatArray
 from doormill_ros.localization.edge_line import EdgeLine
 from doormill_ros.localization.shade import Surfaces
 from doormill_ros.localization.view import EDGES, HINGE, FaceView
-from doormill_ros.statistics import row_medians, share
+from doormill_ros.statistics import row_medians, running_means, share
 
 _PITCH = 0.4e-3  # between parallels [m]
 _WING = 3  # parallels averaged on each side of a step
@@ -42,8 +40,7 @@ def larger_beyond(picture: ByteArray, view: FaceView, pose: FloatArray) -> bool:
         corner = float(pose[1] if edge == HINGE else pose[0])
         along = corner + np.arange(*_ALONG)
         grey = sight.rows(edge, line.across + offsets, line.tilt, along).astype(np.float32)
-        means = reduce(np.add, (grey[i : len(grey) - _WING + 1 + i] for i in range(_WING)))
-        means /= np.float32(_WING)
+        means = running_means(grey.T, _WING).T
         steps = means[:-_WING] - means[_WING:]
         sizes = row_medians(steps)
         at = first + int(np.argmax(np.abs(sizes[first:])))

@@ -256,11 +256,7 @@ def _joined(hinge: LineFit, bottom: LineFit, squareness: float) -> tuple[FloatAr
     z = b + q * y
     # Small changes: dy = d(place_h) - (z - middle_h) d(turn), dz = d(place_b) + (y - middle_b) d(turn + skew).
     lever_h, lever_b = z - hinge.middle, y - bottom.middle
-    (turns, both), (_, skews) = angles.tolist()
-    yy, zz = (
-        hinge.place_variance + lever_h**2 * turns,
-        bottom.place_variance + lever_b**2 * (turns + 2.0 * both + skews),
-    )
-    yz, y_turn, z_turn = -lever_h * lever_b * (turns + both), -lever_h * turns, lever_b * (turns + both)
-    covariance = np.array([[yy, yz, y_turn], [yz, zz, z_turn], [y_turn, z_turn, turns]])
-    return np.array([y, z, turn]), covariance
+    jacobian = np.array([[1, 0, -lever_h, 0], [0, 1, lever_b, lever_b], [0, 0, 1, 0]])
+    states = np.zeros((4, 4))
+    states[0, 0], states[1, 1], states[2:, 2:] = hinge.place_variance, bottom.place_variance, angles
+    return np.array([y, z, turn]), jacobian @ states @ jacobian.T
