@@ -53,6 +53,15 @@ def around(sense, inset=0.008, depth=0.005):
     return flight(FAR, tips, FRONT, HINGE.id)
 
 
+@pytest.mark.parametrize("beside", [(5, 0), (-5, 0), (0, 5), (0, -5)], ids=str)
+def test_straight_down_where_the_mill_was_before_takes_nothing(beside):
+    across, up = beside
+    far = 5.0 / math.tan(math.radians(10.0))
+    again = [-5, across, far + up], [5, across, far + up]
+    found = manner([-5, 0, -far], [5, 0, far], [-5, 0, far], *again)
+    assert math.degrees(found.steepest) == pytest.approx(10.0, abs=0.1)
+
+
 @pytest.mark.parametrize("degrees", [3.0, 10.0, 20.0, 45.0])
 def test_the_slope_of_a_ramp_is_read_from_the_samples(degrees):
     up = 5.0 / math.tan(math.radians(degrees))
