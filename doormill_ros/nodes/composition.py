@@ -16,7 +16,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from doormill_ros.interrupts import is_terminated_in_order
 from doormill_ros.nodes.managed_node import ManagedNode
-from doormill_ros.nodes.run import THREADS, ignore_signals, init, leave_graph, shut_down
+from doormill_ros.nodes.run import THREADS, ignore_signals, init, leave_graph, leave_ros, shut_down
 from doormill_ros.nodes.spinning import SteadyExecutor
 
 STOP_LIMIT = 2.0  # s
@@ -103,7 +103,7 @@ class Composition(Generic[Driver]):
         leave_graph(self._all)
         self._all.clear()
         self.nodes.clear()
-        rclpy.try_shutdown()
+        leave_ros()
 
 
 @contextmanager

@@ -19,7 +19,11 @@ from rclpy.executors import ExternalShutdownException
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.logging import get_logger
 from rclpy.node import Node
-from rclpy.signals import SignalHandlerOptions, uninstall_signal_handlers
+from rclpy.signals import (
+    SignalHandlerOptions,
+    get_current_signal_handlers_options,
+    uninstall_signal_handlers,
+)
 
 from doormill_ros.cell.errors import BadParameterError, RosArgumentsError
 from doormill_ros.errors import one_line
@@ -132,7 +136,7 @@ def run_nodes(*factories: Callable[[], ManagedNode], arguments: Sequence[str] | 
         # Files are closed and signals dropped: what stands still from here on holds nothing but the process.
         _limit_ending()
         leave_graph(nodes)
-        rclpy.try_shutdown()
+        leave_ros()
         faulthandler.cancel_dump_traceback_later()
         atexit.register(_limit_ending)
     return 0
@@ -149,7 +153,7 @@ def shut_down(nodes: Sequence[ManagedNode], executors: Sequence[SteadyExecutor],
         node.close()
     # Its thread for signals wakes an executor through a guard condition that it holds no lock on.
     # Destroyed meanwhile, that is a segmentation fault: the thread has to end first.
-    uninstall_signal_handlers()
+    _take_signals_back()
     for executor in executors:
         executor.shutdown(timeout_sec=timeout)
 
@@ -172,8 +176,23 @@ def ignore_signals() -> dict[signal.Signals, Any]:
         The handlers that stood before rclpy and this, by signal.
     """
     # rclpy takes back only handlers that it still finds in their place; its thread would stay with them.
-    uninstall_signal_handlers()
+    _take_signals_back()
     return {number: signal.signal(number, signal.SIG_IGN) for number in (signal.SIGINT, signal.SIGTERM)}
+
+
+def leave_ros() -> None:
+    """Take the context away, once signals are taken back from rclpy."""
+    rclpy.try_shutdown(uninstall_handlers=False)
+
+
+def _take_signals_back() -> None:
+    """Let rclpy hear of no signal any more.
+
+    Asked when it hears of none, it gives each signal its default action for a moment, even one that is ignored: an
+    interrupt in that moment kills the process.
+    """
+    if get_current_signal_handlers_options() != SignalHandlerOptions.NO:
+        uninstall_signal_handlers()
 
 
 def _limit_ending() -> None:

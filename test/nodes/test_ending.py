@@ -231,3 +231,35 @@ def test_signals_do_not_disturb_the_closing_of_a_composition() -> None:
         [sys.executable, "-c", COMPOSED], capture_output=True, text=True, timeout=LIMIT, check=False
     )
     assert (ended.returncode, ended.stdout) == (0, "closed\nTrue\n"), ended.stderr
+
+
+#: Closes again and again, as nodes that were interrupted do.
+CLOSING_AGAIN = """
+import signal
+import rclpy
+for number in (signal.SIGINT, signal.SIGTERM):
+    signal.signal(number, lambda *_: None)
+from doormill_ros.nodes.run import STOP_LIMIT, ignore_signals, leave_ros, shut_down
+rclpy.init()
+print("closing", flush=True)
+for _ in range(20000):
+    ignore_signals()
+    shut_down([], [], STOP_LIMIT)
+    leave_ros()
+print("closed")
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_no_moment_of_the_closing_leaves_a_signal_to_its_default_action(number: signal.Signals) -> None:
+    """Rclpy, asked to take back handlers that it has not installed, gives signals their default action meanwhile."""
+    command = [sys.executable, "-c", CLOSING_AGAIN]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        try:
+            assert process.stdout.readline() == "closing\n"
+            while process.poll() is None:
+                process.send_signal(number)
+            assert (process.returncode, process.stdout.read()) == (0, "closed\n")
+        finally:
+            process.kill()
