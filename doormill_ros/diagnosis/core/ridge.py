@@ -7,13 +7,11 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
-from scipy.linalg.blas import dsyrk, dtrmm
-from scipy.linalg.lapack import dlauum, dpotrf, dtrtri
+from scipy.linalg import cho_factor, cho_solve, cholesky
+from scipy.linalg.lapack import dlauum, dtrtri
 
 from doormill_ros.arrays import FloatArray, IntArray
 
-_AT_ONCE = 128  #: coefficients up to which a matrix is not halved
 _LEANING = 0.1  #: of the variance, that is left of it when another cause is known
 _LEAST = 1e-6  #: of a typical size squared, what is left of one that the data do not call for
 
@@ -84,26 +82,6 @@ class Solution:
     variance: FloatArray
 
 
-def _inverse_root(A: FloatArray) -> FloatArray:
-    """Inverse R of the lower Cholesky factor of a matrix, by columns, shape (m, m): R^T R is the matrix inverted.
-
-    By halves, with L = B R1^T of a matrix [A1, B^T; B, A2]: nearly all of it is products, which processors do several
-    times faster than the substitutions of potrf and trtri.
-    """
-    if len(A) <= _AT_ONCE:
-        factor, _ = dpotrf(A, lower=1)
-        small: FloatArray = dtrtri(factor, lower=1, overwrite_c=1)[0]
-        return small
-    half = len(A) // 2
-    R = np.zeros(A.shape, order="F")
-    R1 = R[:half, :half] = _inverse_root(A[:half, :half])
-    L = dtrmm(1.0, R1, A[half:, :half], side=1, lower=1, trans_a=1)
-    R2 = R[half:, half:] = _inverse_root(dsyrk(-1.0, L, beta=1.0, c=A[half:, half:], lower=1))
-    L = dtrmm(1.0, R1, L, side=1, lower=1, overwrite_b=1)
-    R[half:, :half] = dtrmm(-1.0, R2, L, lower=1, overwrite_b=1)
-    return R
-
-
 class _Factor:
     """Cholesky factor of the normal equations with known prior variances, inverted; all in units of their sizes."""
 
@@ -114,7 +92,9 @@ class _Factor:
         A = H * scale
         A *= scale[:, None]
         A[np.diag_indices_from(A)] += np.where(known, 1.0, 1e-10)
-        self._root = _inverse_root(A.T)  # symmetric, and so the same seen by columns
+        # Seen by columns, as LAPACK wants it, a symmetric matrix is the same.
+        factor = cholesky(A.T, lower=True, overwrite_a=True, check_finite=False)
+        self._root, _ = dtrtri(factor, lower=1, overwrite_c=1)
         self._root *= scale
         self.x: FloatArray = (self._root @ g) @ self._root
 
