@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from support.source_tree import ROOT
+from support.waiting import LIMIT
 
 #: Gates that tell where they run and with what; `slow` waits until it is stopped.
 MAKEFILE = """
@@ -88,7 +89,7 @@ def test_the_gates_see_a_clone_of_what_is_committed_and_nothing_else(project) ->
         DOORMILL_WHEELS="1",
         PATH=f"{folder / 'bin'}:{os.environ['PATH']}",
     )
-    output, errors = process.communicate(timeout=60)
+    output, errors = process.communicate(timeout=LIMIT)
     assert process.returncode == 0, errors
     place, *lines = output.splitlines()
     assert not Path(place).is_relative_to(folder)
@@ -106,7 +107,7 @@ def test_the_gates_see_a_clone_of_what_is_committed_and_nothing_else(project) ->
 def test_a_gate_that_fails_fails_the_run(project) -> None:
     folder = project("fail")
     process = start(folder)
-    output, errors = process.communicate(timeout=60)
+    output, errors = process.communicate(timeout=LIMIT)
     assert process.returncode == 2
     assert "3 passed" in output
     assert "'make test' failed" in errors
@@ -116,7 +117,7 @@ def test_a_gate_that_fails_fails_the_run(project) -> None:
 def test_a_gate_that_stands_still_is_ended_and_fails_the_run(project, tmp_path: Path) -> None:
     folder, mark = project("slow"), tmp_path / "mark"
     process = start(folder, f"MARK={mark}", DOORMILL_CI_LIMIT="10")
-    output, errors = process.communicate(timeout=120)
+    output, errors = process.communicate(timeout=LIMIT)
     assert process.returncode == 124
     assert "3 passed" in output
     assert "'make test' did not end within 10" in errors
@@ -128,7 +129,7 @@ def test_what_gates_leave_behind_is_told_and_ended(project) -> None:
     """It would hold whoever waits for the end of what the run prints."""
     folder = project("stray")
     process = start(folder)
-    output, errors = process.communicate(timeout=60)
+    output, errors = process.communicate(timeout=LIMIT)
     assert process.returncode == 0, errors
     assert "3 passed" in output
     assert "doormill: left behind: sleep 600" in errors
@@ -153,7 +154,7 @@ def test_an_interrupted_run_ends_its_gate_and_cleans_up(
         time.sleep(0.05)
     shell = int(mark.read_text())
     process.send_signal(number)
-    process.communicate(timeout=60)
+    process.communicate(timeout=LIMIT)
     assert process.returncode == 128 + number
     assert not runs(shell)
     assert left_behind(folder) == []

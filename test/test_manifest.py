@@ -18,6 +18,7 @@ import yaml
 from doormill_ros import __version__
 from support.requirements import imported, required
 from support.source_tree import DATA, PACKAGE, ROOT, SOURCES
+from support.waiting import LIMIT
 
 PACKAGES = (".", "doormill_interfaces")
 KEYS: dict[str, Any] = yaml.safe_load((DATA / "rosdep_keys.yaml").read_text(encoding="utf-8"))
@@ -117,7 +118,7 @@ def test_every_file_of_the_package_is_installed_with_it(tmp_path: Path) -> None:
         [sys.executable, "setup.py", "-q", "build_py", "--build-lib", tmp_path],
         cwd=ROOT,
         check=True,
-        timeout=200,
+        timeout=LIMIT,
     )
 
     def files(package: Path) -> set[str]:

@@ -13,6 +13,7 @@ import pytest
 
 from support.shell import output_of, run_in_shell
 from support.source_tree import ROOT
+from support.waiting import LIMIT
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"```bash\n(.*?)```", README, flags=re.DOTALL)
@@ -20,7 +21,6 @@ MAKE = [block.strip() for block in BLOCKS if block.startswith("make ")]
 LIVING = (ROOT / "docs" / "living.md").read_text(encoding="utf-8")
 BLOCKS += re.findall(r"```bash\n(.*?)```", LIVING, flags=re.DOTALL)
 SHELL = [block for block in BLOCKS if not block.startswith("make ")]
-LIMIT = 240  # s
 
 
 def test_the_readme_has_the_commands_it_promises() -> None:
@@ -59,7 +59,7 @@ def test_nodes_started_in_the_background_come_up_and_stop(block: str, tmp_path: 
             time.sleep(0.1)
     finally:
         os.killpg(process.pid, signal.SIGINT)
-        process.communicate(timeout=300)
+        process.communicate(timeout=LIMIT)
     assert "Traceback" not in log.read_text()
 
 

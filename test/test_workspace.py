@@ -15,8 +15,8 @@ import pytest
 from catkin_pkg.packages import find_packages
 
 from support.source_tree import ROOT
+from support.waiting import LIMIT
 
-LIMIT = 240  # s
 SECTION = (ROOT / "README.md").read_text(encoding="utf-8").split("## In a workspace")[1].split("\n## ")[0]
 (BUILD,) = re.findall(r"^python -m colcon build .*$", SECTION, re.MULTILINE)
 (ROSDEP,) = re.findall(r"^rosdep install .*$", SECTION, re.MULTILINE)

@@ -41,7 +41,7 @@ from doormill_ros.abb.link_errors import (
 )
 from doormill_ros.abb.transport import Transport
 from support.memory_transport import MemoryTransport
-from support.waiting import until
+from support.waiting import LIMIT, until
 
 FILE = b"1;2;3;1;0;0;0;0;0;0;0;\n" * 14
 LIMITS = HandshakeTimeouts(submission=10.0, acknowledge=5.0, milling=100.0, link_loss=1.0)
@@ -921,13 +921,13 @@ def test_the_loop_answers_and_stops_without_help() -> None:
     reached = {state: threading.Event() for state in State}
     handshake = SharedHandshake(transport, on_change=lambda s: reached[s.state].set())
     with HandshakeLoop(handshake) as loop:
-        assert reached[State.IDLE].wait(60)
+        assert reached[State.IDLE].wait(LIMIT)
         transport.set_signal(signals.REQUEST, True)
-        assert reached[State.REQUESTED].wait(60)
+        assert reached[State.REQUESTED].wait(LIMIT)
         handshake.submit("run", "door", FILE)
-        assert reached[State.READY].wait(60)
+        assert reached[State.READY].wait(LIMIT)
         transport.set_signal(signals.REQUEST, False)
-        assert reached[State.MILLING].wait(60)
+        assert reached[State.MILLING].wait(LIMIT)
         transport.set_signal(signals.REQUEST, True)
         assert loop.alive
     assert not loop.alive
@@ -978,12 +978,12 @@ def test_a_programming_error_in_the_loop_leaves_the_controller_cleared() -> None
     loop.start()
     until(lambda: handshake.snapshot.accepts_submission)
     handshake.submit("run", "door", FILE)
-    assert ready.wait(60)
+    assert ready.wait(LIMIT)
     seen: list[object] = []
     hook, threading.excepthook = threading.excepthook, seen.append
     try:
         handshake._step_ready = raising(ZeroDivisionError())
-        loop._thread.join(60)
+        loop._thread.join(LIMIT)
     finally:
         threading.excepthook = hook
     assert isinstance(loop.failure, ZeroDivisionError)

@@ -13,6 +13,7 @@ from doormill_ros.abb.credentials import Credentials
 from doormill_ros.abb.link_errors import ControllerReplyError
 from doormill_ros.abb.transports.rws_answer import LARGEST
 from doormill_ros.abb.transports.rws_http import RwsHttp
+from support.waiting import LIMIT
 from support.web_services import PATIENT
 
 TOO_MUCH = 600 * 1024 * 1024
@@ -56,7 +57,7 @@ class Sender:
     def close(self) -> None:
         self._socket.shutdown(socket.SHUT_RDWR)
         self._socket.close()
-        self._thread.join(60.0)
+        self._thread.join(LIMIT)
 
 
 @pytest.fixture(

@@ -31,6 +31,7 @@ from doormill_ros.abb.transports.rws import connect_rws1, connect_rws2
 from doormill_ros.simulation.controller.rws_server.app import Behaviour
 from doormill_ros.simulation.controller.rws_server.cabinet import Cabinet
 from doormill_ros.simulation.controller.rws_server.server import RwsServer
+from support.waiting import LIMIT
 from support.web_services import link_to
 
 SECRET = "qu8-Zebra!wagon"
@@ -138,7 +139,7 @@ def test_the_password_is_in_no_log_record_and_no_error(
             try:
                 link.write_file("Hei2.txt", b"x")
                 link.read_request()
-                limit = time.monotonic() + 60.0
+                limit = time.monotonic() + LIMIT
                 while not link.events.live and time.monotonic() < limit:
                     link.wait(0.05)
             except LinkError as error:

@@ -33,6 +33,7 @@ from doormill_ros.abb.transports import simulated_folder
 from doormill_ros.abb.transports.bounded import BoundedCaller, CallTimeout
 from doormill_ros.abb.transports.simulated_folder import SimulatedFolderTransport
 from doormill_ros.simulation.controller.io_port import FolderIo
+from support.waiting import LIMIT
 
 
 @pytest.fixture
@@ -81,7 +82,7 @@ def test_a_reader_never_meets_a_part_of_a_file(link: SimulatedFolderTransport, t
 
     reader = threading.Thread(target=read)
     reader.start()
-    limit, count = time.monotonic() + 60.0, 0
+    limit, count = time.monotonic() + LIMIT, 0
     while count < 60 or (len(seen) < 2 and time.monotonic() < limit):
         link.write_file("Hei2.txt", versions[count % 4])
         count += 1
@@ -179,11 +180,11 @@ def test_a_call_given_up_behind_a_hanging_one_is_never_made() -> None:
 
     def hang() -> None:
         started.set()
-        release.wait(120.0)
+        release.wait(LIMIT)
 
     hanging = threading.Thread(target=lambda: caller.call(hang, 120.0))
     hanging.start()
-    assert started.wait(60.0)
+    assert started.wait(LIMIT)
     with pytest.raises(CallTimeout):
         caller.call(lambda: made.append("late"), 0.05)
     release.set()
@@ -257,5 +258,5 @@ def test_wait_is_ended_by_wake(link: SimulatedFolderTransport) -> None:
     slow.__dict__.update(link.__dict__, _poll_interval=60.0)
     threading.Timer(0.05, slow.wake).start()
     begin = time.monotonic()
-    slow.wait(60.0)
+    slow.wait(LIMIT)
     assert time.monotonic() - begin < 30.0

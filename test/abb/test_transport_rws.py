@@ -51,7 +51,7 @@ from doormill_ros.simulation.controller.rws_server.certificate import write_cert
 from doormill_ros.simulation.controller.rws_server.reply import CODE_INVALID, RefusalError
 from doormill_ros.simulation.controller.rws_server.server import RwsServer
 from support.source_tree import ROOT
-from support.waiting import until
+from support.waiting import LIMIT, until
 from support.web_services import LOGIN, PATIENT, link_to
 
 
@@ -224,7 +224,7 @@ def test_an_event_ends_the_wait(listening: RwsTransport, server: RwsServer) -> N
     listening._woken.clear()
     threading.Timer(0.05, server.cabinet.set_value, [signals.REQUEST, 1]).start()
     begin = time.monotonic()
-    listening.wait(60.0)
+    listening.wait(LIMIT)
     assert time.monotonic() - begin < 30.0
     until(listening.read_request)
 
@@ -467,7 +467,7 @@ class TestCertificate:
         (command,) = re.findall(r"`(python3 -c [^`]*get_server_certificate[^`]*)`", page)
         port = str(urlsplit(server2.url).port)
         typed = command.replace("HOST", "127.0.0.1").replace("443", port)
-        subprocess.run(["bash", "-c", typed], cwd=tmp_path, check=True, timeout=120)
+        subprocess.run(["bash", "-c", typed], cwd=tmp_path, check=True, timeout=LIMIT)
         saved = tmp_path / "controller.pem"
         link = connect_rws2(server2.url, LOGIN, certificate=saved, timeouts=PATIENT, subscribe=False)
         assert link.read_ready() is False
@@ -495,7 +495,7 @@ def test_a_whole_handshake(listening: RwsTransport, server: RwsServer, tmp_path:
     handshake.on_start()
 
     def run_to(state: State) -> None:
-        limit = time.monotonic() + 120
+        limit = time.monotonic() + LIMIT
         while handshake.snapshot.state is not state:
             assert time.monotonic() < limit, handshake.snapshot
             handshake.wait(0.05)
@@ -527,7 +527,7 @@ def test_a_controller_that_appears_later(tmp_path: Path) -> None:
     with later as server:
         server.cabinet.set_value(signals.READY, 1)
         (tmp_path / "Hei2.txt").write_bytes(b"left over")
-        limit = time.monotonic() + 120
+        limit = time.monotonic() + LIMIT
         while handshake.snapshot.state is State.CLEARING:
             assert time.monotonic() < limit
             handshake.wait(0.05)

@@ -21,7 +21,7 @@ from doormill_ros.simulation.controller.operation.states import OperatingMode
 from doormill_ros.simulation.controller.rws_server.cabinet import Cabinet
 from doormill_ros.simulation.controller.rws_server.control_stations import ControlStations
 from doormill_ros.simulation.controller.rws_server.server import RwsServer
-from support.waiting import until
+from support.waiting import LIMIT, until
 from support.web_services import link_to
 
 LOGIN = Credentials("Default User", "robotics", "4711")
@@ -58,7 +58,7 @@ def rival(server: RwsServer) -> Iterator[httpx.Client]:
     trust = ssl.create_default_context(cafile=str(server.certificate))
     headers = {"Accept": "application/hal+json;v=2.0", "Content-Type": FORM, "Content-Length": "0"}
     with httpx.Client(
-        auth=("Default User", "robotics"), base_url=server.url, headers=headers, verify=trust, timeout=60
+        auth=("Default User", "robotics"), base_url=server.url, headers=headers, verify=trust, timeout=LIMIT
     ) as client:
         yield client
 

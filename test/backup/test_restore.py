@@ -29,6 +29,7 @@ from doormill_ros.tools import backup as backup_tool
 from doormill_ros.tools import restore as restore_tool
 from support.postgres import Server
 from support.sites import fill
+from support.waiting import LIMIT
 
 
 def content(site: Path) -> dict[str, str]:
@@ -243,7 +244,7 @@ def test_a_restore_killed_at_any_step_is_taken_back_or_done(
     outcomes = []
     for step in range(14):
         command = [sys.executable, "-c", DIES, str(tmp_path / "b.tar"), str(site), str(step)]
-        status = subprocess.run(command, timeout=120).returncode
+        status = subprocess.run(command, timeout=LIMIT).returncode
         assert status in (0, 9)
         taken_back = take_back(site, SiteDatabase(url))
         assert content(site) == (second if taken_back else first), f"step {step}"

@@ -38,7 +38,7 @@ from support.run_bags import (
     write_run_bag,
 )
 from support.source_tree import ROOT
-from support.waiting import until
+from support.waiting import LIMIT, until
 
 BAGS = ROOT / "bags"
 
@@ -305,7 +305,7 @@ def test_a_fill_that_is_killed_leaves_whole_bags_and_is_taken_up_again(tmp_path:
         count = random.Random(seed).randrange(9, 30)
         url = str(tmp_path / f"killed_{seed}")
         command = [sys.executable, "-c", KILLED, url, str(tmp_path / "bags"), str(count)]
-        assert subprocess.run(command, timeout=200, check=False).returncode == -signal.SIGKILL
+        assert subprocess.run(command, timeout=LIMIT, check=False).returncode == -signal.SIGKILL
         left = rows_of(url)
         assert 0 < len(left) < 12
         assert len(left) % 3 == 0

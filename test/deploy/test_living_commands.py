@@ -17,10 +17,10 @@ from doormill_ros.cell.readiness import BESIDE, NEEDED
 from support.commands import Command, commands_of
 from support.page_commands import bare
 from support.source_tree import ROOT
+from support.waiting import LIMIT
 
 UNITS = ROOT / "deploy" / "systemd"
 INSTALLED = "/opt/doormill/"
-LIMIT = 120.0  # s
 #: Prints the files of shared memory that a process with a node has open or mapped; tracing's are not of DDS.
 SHARED = """
 import os, re

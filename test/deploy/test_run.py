@@ -16,6 +16,7 @@ from doormill_ros.nodes.model_monitor import ModelMonitor
 from doormill_ros.nodes.path_generator import PathGenerator
 from doormill_ros.resources import MODELS, site_folder
 from support.source_tree import ROOT
+from support.waiting import LIMIT
 
 RUN = ROOT / "deploy" / "doormill-run"
 
@@ -30,7 +31,7 @@ def run(folder: Path, *arguments: str, **environment: str) -> subprocess.Complet
         env={"PATH": "/usr/local/bin:/usr/bin:/bin", **known, **environment},
         capture_output=True,
         text=True,
-        timeout=240,
+        timeout=LIMIT,
     )
 
 

@@ -12,6 +12,7 @@ import pytest
 from doormill_ros.cell.readiness import BESIDE, NEEDED
 from doormill_ros.tools.catalogue import parser
 from support.source_tree import ROOT
+from support.waiting import LIMIT
 
 UNITS = ROOT / "deploy" / "systemd"
 NODES = [f"doormill@{name}.service" for name in (*NEEDED, *BESIDE, "cell_simulator")]
@@ -38,7 +39,7 @@ def analyze(units: Path, *arguments: str) -> str:
         return ""
     environment = {"SYSTEMD_UNIT_PATH": f"{units}:", "PATH": "/usr/bin:/bin", "SYSTEMD_COLORS": "0"}
     done = subprocess.run(
-        [program, *arguments], cwd=units, env=environment, capture_output=True, text=True, timeout=120
+        [program, *arguments], cwd=units, env=environment, capture_output=True, text=True, timeout=LIMIT
     )
     return "" if done.returncode == 0 and not done.stderr else done.stdout[-3000:] + done.stderr
 

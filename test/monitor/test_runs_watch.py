@@ -24,9 +24,9 @@ from doormill_ros.recording.bag_writer import BagWriter
 from support.asked_here import questioner
 from support.run_series import Series, draw_series
 from support.run_series_bags import write_series
+from support.waiting import LIMIT
 
 SETTINGS = WatchSettings(doors=40, since="", limit=0.0, patience=600.0, model="", runs=60)
-LIMIT = 240.0  # s, after which a test gives up
 SHORT = 0.05  # s, between two looks
 COUNT = 14
 RESULT, STATUS, REQUEST = "/run/result", "/abb/status", "/abb/request"

@@ -22,10 +22,10 @@ from doormill_ros.monitor.watch_state import WatchSettings
 from support.asked_here import questioner
 from support.gauged_shift import HINGE_DOORS, gauged_shift
 from support.source_tree import ROOT
+from support.waiting import LIMIT
 
 WORLD = {"seed": 5, "force": {"factor": 1.3}, "robot": {"gap": [1e-4, 0.0, 0.0, 0.0, 0.0, 0.0]}}
 SETTINGS = WatchSettings(doors=40, since="", limit=0.6e-3, patience=600.0, model="")
-LIMIT = 240.0  # s, after which a test gives up
 DOORS = HINGE_DOORS[:2]
 
 

@@ -14,8 +14,8 @@ from doormill_ros.nodes.controller_simulator import switch_on
 from support.afternoon.campaign import Tally, play
 from support.afternoon.cell import CREDENTIALS
 from support.afternoon.faults import KINDS, Fault, draw
+from support.waiting import LIMIT
 
-LIMIT = 120.0  # s
 #: Of what the campaign of deaths does not play: wire, clock, clamp, camera, disk.
 FAULTS = [
     Fault("network of the controller cut", "abb_bridge", "targets", 0.0, 2.0, 0.0),

@@ -31,8 +31,8 @@ from doormill_ros.nodes.goal_client import GoalClient
 from doormill_ros.nodes.spinning import SteadyExecutor
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.software import software
+from support.waiting import LIMIT
 
-LIMIT = 60.0  # s
 SMALLEST_QUEUE = 1 << 20  # bytes
 
 

@@ -34,10 +34,10 @@ from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.recording.bag_reader import read_bag
 from support.cell_processes import CellProcesses, executable, free_port
 from support.postgres import running_server
+from support.waiting import LIMIT
 
 DOOR, OTHER_DOOR = "thesis_190_0deg", "thesis_1350_0deg"
 DOUBLED = 809
-LIMIT = 300.0  # s
 
 
 def run_cells(tmp_path: Path, cells: dict[str, list[str]], variables: dict[str, str]) -> dict[str, int]:

@@ -16,8 +16,7 @@ from doormill_ros.nodes import controller_monitor, topics
 from doormill_ros.nodes.controller_monitor import ControllerMonitor
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.spinning import SteadyExecutor
-
-LIMIT = 60.0  # s
+from support.waiting import LIMIT
 
 
 class Stumbling:

@@ -22,8 +22,7 @@ from doormill_ros.nodes.abb_bridge import AbbBridge
 from doormill_ros.simulation.controller.operation.panel import ControlPanel
 from doormill_ros.simulation.controller.rws_server.cabinet import Cabinet
 from doormill_ros.simulation.controller.rws_server.server import RwsServer
-
-LIMIT = 120.0  # s
+from support.waiting import LIMIT
 
 
 class Listener:

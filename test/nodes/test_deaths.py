@@ -20,6 +20,7 @@ from support.deaths.leftovers import Leftovers
 from support.deaths.naming import Lives, named_after
 from support.deaths.oracle import Oracle, Place, Placed
 from support.deaths.strikes import NODES, PAIRS, STAGES, Strike, deal
+from support.waiting import LIMIT
 
 FILE = b"1000;2000;3000;1;\n#door oak\n#run r1\n#sum [1,2]\n"
 #: A quarter turn about x, origin at y = 1 m: the file's target lies at (1, 3, -1) from the door.
@@ -145,7 +146,7 @@ def _mill(home: Path, oracle: Oracle, asked: float | None) -> None:
     (home / "Hei2.txt").write_bytes(FILE)
     write("doPathReady", "1")
     write("doPathBusy", "1")
-    deadline = time.monotonic() + 60.0
+    deadline = time.monotonic() + LIMIT
     while len(oracle.starts) == before:
         assert time.monotonic() < deadline
         time.sleep(0.01)

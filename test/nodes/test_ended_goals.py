@@ -17,8 +17,7 @@ from doormill_interfaces.action import MillDoor
 from doormill_ros.nodes.action_server import MillDoorActionServer
 from doormill_ros.nodes.goal_client import GoalClient
 from doormill_ros.pipeline.run_end import RunEnd
-
-LIMIT = 60.0  # s
+from support.waiting import LIMIT
 
 
 def test_it_is_closed_without_an_error_where_nobody_can_hear_of_it() -> None:

@@ -12,7 +12,8 @@ from doormill_ros.abb.handshake.state import HandshakeState
 from doormill_ros.cell.errors import NodeDeadError, RunCutOffError
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.goal_client import GoalClient
-from support.cell_processes import START_LIMIT, CellProcesses
+from support.cell_processes import CellProcesses
+from support.waiting import LIMIT
 
 DOOR = "thesis_190_0deg"
 
@@ -50,7 +51,7 @@ def test_the_next_one_tells_how_the_run_ended(
     if not state:
         localizer.send_signal(signal.SIGSTOP)
     goal = GoalClient(cell.node, MillDoor, "mill_door")
-    assert goal.wait_for_server(START_LIMIT)
+    assert goal.wait_for_server(LIMIT)
     goal.send_goal_async(MillDoor.Goal(door_id=DOOR))
     run = cell.wait(lambda: next((m.run_id for m in recipes if m.run_id > before.run_id), None))  # ids grow
     if state:

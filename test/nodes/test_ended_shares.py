@@ -13,7 +13,8 @@ from doormill_ros.cell.readiness import SHARES
 from doormill_ros.cell.run_in_hand import RunNote
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.goal_client import GoalClient
-from support.cell_processes import START_LIMIT, CellProcesses
+from support.cell_processes import CellProcesses
+from support.waiting import LIMIT
 
 DOOR = "thesis_190_0deg"
 
@@ -31,7 +32,7 @@ def shares(tmp_path_factory: pytest.TempPathFactory) -> Iterator[CellProcesses]:
 def test_who_shares_a_door_among_two_robots_tells_it_too(shares: CellProcesses, how: signal.Signals) -> None:
     results, note = shares.subscribe(topics.RUN_RESULT), RunNote(shares.folder)
     goal = GoalClient(shares.node, MillDoor, "mill_door")
-    assert goal.wait_for_server(START_LIMIT)
+    assert goal.wait_for_server(LIMIT)
     goal.send_goal_async(MillDoor.Goal(door_id=DOOR))
     run, door = shares.wait(note.read)
     shares.stop(SHARES, how)

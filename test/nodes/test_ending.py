@@ -14,8 +14,7 @@ from rclpy.signals import SignalHandlerOptions, get_current_signal_handlers_opti
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.run import shut_down
 from doormill_ros.nodes.spinning import SteadyExecutor
-
-LIMIT = 120.0  # s
+from support.waiting import LIMIT
 
 #: Signals itself when it is up, and again while it closes; says when it has closed and when it has left the graph.
 SIGNALLED = """

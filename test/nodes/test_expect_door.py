@@ -21,10 +21,10 @@ from doormill_ros.nodes.spinning import SteadyExecutor
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.simulation.controller.controller import VirtualController
 from support.rapid_bench import arm  # noqa: F401
+from support.waiting import LIMIT
 
 DOOR = "standard_door"
 CODE = load_recipe(DOOR).bar_code
-LIMIT = 120.0  # s
 
 Ask = Callable[..., ExpectDoor.Response]
 

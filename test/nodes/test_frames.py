@@ -35,9 +35,8 @@ from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.robot.description import load_robot
 from support.source_tree import ROOT
+from support.waiting import LIMIT
 
-LIMIT = 60.0  # s
-BUILD_LIMIT = RUN_LIMIT = 300.0  # s
 DOOR = "thesis_190_0deg"
 
 
@@ -209,7 +208,7 @@ def with_tf2(folder: Path) -> dict[str, str]:
     command = ["colcon", "build", "--merge-install", "--paths", str(source), "--cmake-args"]
     flags = ["-DBUILD_TESTING=OFF", f"-DPython3_EXECUTABLE={sys.executable}", "--no-warn-unused-cli"]
     done = subprocess.run(
-        [*command, *flags], cwd=folder, capture_output=True, text=True, timeout=BUILD_LIMIT, check=False
+        [*command, *flags], cwd=folder, capture_output=True, text=True, timeout=LIMIT, check=False
     )
     assert done.returncode == 0, done.stdout + done.stderr
     install = folder / "install"
@@ -233,7 +232,7 @@ def test_the_bag_of_a_run_holds_every_frame_under_tf2_s_name(tmp_path: Path, ins
         str(tmp_path / "run"),
     ]
     done = subprocess.run(
-        command, env=environment, capture_output=True, text=True, timeout=RUN_LIMIT, check=False
+        command, env=environment, capture_output=True, text=True, timeout=LIMIT, check=False
     )
     assert done.returncode == 0, done.stdout + done.stderr
     bag = tmp_path / "run" / "bag"

@@ -14,8 +14,8 @@ import yaml
 
 from doormill_ros.recording.bag_reader import read_bag
 from support.source_tree import ROOT
+from support.waiting import LIMIT
 
-LIMIT = 180  # s
 FILE_SIZE = 950_000  # bytes that one file may have
 PICTURE = 100_000  # bytes that do not compress
 PICTURE_TOPIC = "/camera/image_raw"
@@ -48,7 +48,7 @@ node.create_subscription(
 publisher = node.create_publisher(topics.IMAGE.type, topics.IMAGE.name, topics.IMAGE.offered)
 
 def wait(condition):
-    deadline = time.monotonic() + 60.0
+    deadline = time.monotonic() + 300.0
     while not condition():
         if time.monotonic() > deadline:
             sys.exit("waited in vain")

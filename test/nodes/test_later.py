@@ -11,8 +11,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.lifecycle import TransitionCallbackReturn
 
 from doormill_ros.nodes.managed_node import ManagedNode
-
-LIMIT = 120.0  # s
+from support.waiting import LIMIT
 
 
 class Shower(ManagedNode):

@@ -11,7 +11,8 @@ from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState, GetState
 from rcl_interfaces.srv import DescribeParameters, ListParameters
 
-from support.cell_processes import MANAGED, NODES, STOP_LIMIT, CellProcesses
+from support.cell_processes import MANAGED, NODES, CellProcesses
+from support.waiting import LIMIT
 
 GOOD_DOOR = "thesis_190_0deg"
 REACHED = {
@@ -88,7 +89,7 @@ def test_all_processes_are_there(cell: CellProcesses) -> None:
 def test_processes_interrupted_until_their_end_end_cleanly(cell: CellProcesses) -> None:
     """Worse than `ros2 launch`, which sends two, at any time. The last test of the module."""
     running = dict(cell.processes)
-    deadline = time.monotonic() + STOP_LIMIT
+    deadline = time.monotonic() + LIMIT
     while running := {name: process for name, process in running.items() if process.poll() is None}:
         assert time.monotonic() < deadline, f"still running: {sorted(running)}"
         for process in running.values():

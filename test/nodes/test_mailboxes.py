@@ -23,8 +23,8 @@ from doormill_ros.nodes.mailboxes import (
     lost_mailboxes,
 )
 from support.cell_processes import executable
+from support.waiting import LIMIT
 
-LIMIT = 120.0  # s
 #: Beyond those that tests have (conftest.py): nobody speaks there who might take a busy process for dead.
 DOMAIN = 100
 

@@ -12,11 +12,11 @@ from rclpy.lifecycle import TransitionCallbackReturn
 from rclpy.parameter import Parameter
 
 from doormill_ros.nodes.operator_page import OperatorPage
+from support.waiting import LIMIT
 
 NAME = "cell1.factory.example"
 #: The system takes it for 127.0.0.1, but it is no IP address as written: a name of its own on every machine.
 HOST = "127.1"
-LIMIT = 60.0  # s
 
 
 @pytest.fixture

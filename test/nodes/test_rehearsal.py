@@ -20,8 +20,8 @@ from doormill_ros.nodes.door_localizer import DoorLocalizer
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.path_generator import PathGenerator
 from doormill_ros.nodes.recipe_database import RecipeDatabaseNode
+from support.waiting import LIMIT
 
-LIMIT = 120.0  # s
 #: What each node tells of doors alone.
 TOLD: list[tuple[Callable[..., ManagedNode], tuple[topics.Topic, ...]]] = [
     (DoorLocalizer, (topics.DOOR_POSE, topics.DOOR_LOCALIZATION, topics.DOOR_OVERLAY)),

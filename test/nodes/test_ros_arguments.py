@@ -16,9 +16,9 @@ from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.run import run_nodes
 from support.cell_processes import NODES, CellProcesses, executable
 from support.package_nodes import reporting_nodes
+from support.waiting import LIMIT
 
 DOOR = "thesis_190_0deg"
-LIMIT = 120.0  # s
 HELPED = [kind for kind in reporting_nodes() if issubclass(kind, ManagedNode)]
 
 

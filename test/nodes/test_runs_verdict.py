@@ -20,6 +20,7 @@ from doormill_ros.recording.bag_reader import read_bag
 from support.cell_processes import CellProcesses, free_port
 from support.run_series import Series, draw_series
 from support.run_series_bags import write_series
+from support.waiting import LIMIT
 
 MONITOR, PAGE, RECORDER = "model_monitor", "operator_page", "bag_recorder"
 COUNT = 12
@@ -51,7 +52,7 @@ class Cell:
 
     def page(self) -> dict[str, Any]:
         """What the page shows."""
-        with urlopen(f"http://127.0.0.1:{self._port}/state", timeout=10.0) as answer:
+        with urlopen(f"http://127.0.0.1:{self._port}/state", timeout=LIMIT) as answer:
             found: dict[str, Any] = json.load(answer)
         return found
 

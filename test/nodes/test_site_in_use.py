@@ -27,6 +27,7 @@ from doormill_ros.resources import resource
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot_model.extended_document import model_document
 from doormill_ros.tools import backup, restore
+from support.waiting import LIMIT
 
 DOOR = "thesis_190_0deg"
 WHO = ("Kari", "door 15 to 30 say so")
@@ -112,7 +113,7 @@ def order_something(site: Path) -> None:
     with started(OperatorPage, "-p", "port:=0", "-p", f"tokens:={tokens}") as page:
         token = yaml.safe_load(tokens.read_text())["operate"]
         header = {"Authorization": f"Bearer {token}"}
-        httpx.post(f"{page.url}control/cancel", headers=header, timeout=60.0)
+        httpx.post(f"{page.url}control/cancel", headers=header, timeout=LIMIT)
 
 
 def test_a_restored_site_mills_with_the_accepted_model_and_knows_who_ordered_what(

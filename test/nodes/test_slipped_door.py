@@ -9,11 +9,11 @@ import pytest
 
 from doormill_ros.recording.bag_reader import read_bag
 from support.cell_processes import executable
+from support.waiting import LIMIT
 
 DOOR = "thesis_190_0deg"
 SLIP = 1e-3  # m along base y
 OUT_OF_TOLERANCE = 807
-LIMIT = 290.0  # s
 
 
 def test_a_door_that_slips_after_its_picture_is_told_as_out_of_tolerance(tmp_path: Path) -> None:

@@ -16,8 +16,8 @@ from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.spindle_watch import SPINDLE_PARAMETER, SpindleWatch
 from doormill_ros.nodes.spinning import SteadyExecutor
 from support.memory_transport import MemoryTransport
+from support.waiting import LIMIT
 
-LIMIT = 60.0  # s
 MILLING = HandshakeSnapshot(HandshakeState.MILLING, "", 0.0, run_id="one")
 
 

@@ -16,8 +16,7 @@ from rclpy.timer import Timer
 
 from doormill_ros.nodes import spinning
 from doormill_ros.nodes.spinning import SteadyExecutor
-
-LIMIT = 30.0  # s
+from support.waiting import LIMIT
 
 
 class Doomed(Timer):
@@ -200,7 +199,7 @@ executor.spin()
 
 def test_a_process_that_stands_still_says_where_and_ends() -> None:
     ended = subprocess.run(
-        [sys.executable, "-c", STANDING], capture_output=True, text=True, timeout=120, check=False
+        [sys.executable, "-c", STANDING], capture_output=True, text=True, timeout=LIMIT, check=False
     )
     assert ended.returncode != 0
     assert "waits_for_ever" in ended.stderr

@@ -16,6 +16,7 @@ from doormill_ros.cell.errors import StageTimeoutError
 from doormill_ros.nodes import topics
 from doormill_ros.recording.bag_reader import read_bag
 from support.cell_processes import NODES, CellProcesses, free_port
+from support.waiting import LIMIT
 from support.wall_clock import WallClock
 
 DOOR, OTHER_DOOR = "thesis_190_0deg", "thesis_1350_0deg"
@@ -36,7 +37,7 @@ def mill_while_set(cell: CellProcesses, clock: WallClock, step: float) -> MillDo
 
 def shown(port: int) -> dict[str, Any]:
     """What the operator's page says now."""
-    with urllib.request.urlopen(f"http://127.0.0.1:{port}/state", timeout=30.0) as answer:
+    with urllib.request.urlopen(f"http://127.0.0.1:{port}/state", timeout=LIMIT) as answer:
         return dict(json.load(answer))
 
 

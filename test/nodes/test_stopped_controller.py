@@ -11,8 +11,8 @@ from rclpy.context import Context
 from doormill_interfaces.msg import DoorPlacement
 from doormill_ros.nodes.controller_simulator import ControllerSimulator
 from support.hostile.listeners import Listener
+from support.waiting import LIMIT
 
-LIMIT = 60.0  # s
 STEPS = ("before the program is loaded", "before its thread runs")
 
 

@@ -19,6 +19,7 @@ import pytest
 from doormill_ros.operator.history import load_history
 from doormill_ros.recording.bag_reader import read_bag
 from support.cell_processes import executable
+from support.waiting import LIMIT
 
 DOOR = "thesis_190_0deg"
 SOFT = """
@@ -27,7 +28,6 @@ SOFT = """
 """
 WORDS = "milled, out of tolerance"
 OUT_OF_TOLERANCE = 807
-LIMIT = 300.0  # s
 
 
 @dataclass
@@ -66,7 +66,7 @@ def soft(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Ended]:
         page: dict[str, Any] = {}
         while not page.get("history"):
             assert time.monotonic() < deadline, page
-            page = httpx.get(f"{url[1]}/state", timeout=120.0).json()
+            page = httpx.get(f"{url[1]}/state", timeout=LIMIT).json()
         process.send_signal(signal.SIGINT)
         status = process.wait(LIMIT)
         yield Ended(folder / "run", status, output.read_text(), page)

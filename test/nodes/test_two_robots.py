@@ -22,10 +22,10 @@ from doormill_ros.nodes.cell import CellOptions, run_once
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.recording.replay.replay import replay_bag
 from doormill_ros.report.run_report import write_report
-from support.cell_processes import STOP_LIMIT, executable, free_port
+from support.cell_processes import executable, free_port
+from support.waiting import LIMIT
 
 DOOR = "standard_door"
-LIMIT = 240.0  # s
 
 
 def heard(folder: Path) -> dict[str, list[Any]]:
@@ -62,7 +62,7 @@ def milled(tmp_path_factory: pytest.TempPathFactory) -> Milled:
     try:
         shown = _shown_last(port, process, log)
         process.send_signal(signal.SIGINT)
-        assert process.wait(STOP_LIMIT) == 0, log.read_text()
+        assert process.wait(LIMIT) == 0, log.read_text()
     finally:
         process.kill()
         process.wait()
@@ -87,7 +87,7 @@ def _shown_last(port: int, process: subprocess.Popen[bytes], log: Path) -> dict[
         assert process.poll() is None, log.read_text()
         time.sleep(0.1)
         with suppress(httpx.TransportError):
-            shown = httpx.get(f"http://127.0.0.1:{port}/state", timeout=60.0).json()
+            shown = httpx.get(f"http://127.0.0.1:{port}/state", timeout=LIMIT).json()
     return shown
 
 

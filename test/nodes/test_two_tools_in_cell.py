@@ -18,8 +18,8 @@ from doormill_ros.resources import resource
 from doormill_ros.toolpath.tool_life import cut_lengths
 from support.cell_processes import executable
 from support.two_tools import FILE, face_plate_door, two_tool_door, with_face_plate
+from support.waiting import LIMIT
 
-LIMIT = 300.0  # s
 MILLS = {"lock_case": "rack_mill_16", "hinge_1": "rack_mill_12"}
 
 

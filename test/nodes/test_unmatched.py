@@ -16,8 +16,8 @@ from doormill_interfaces.action import MillDoor
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.unmatched import UnmatchedEndpoints
+from support.waiting import LIMIT
 
-LIMIT = 60.0  # s
 LESS = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 

@@ -19,10 +19,9 @@ from doormill_ros.operator.server import create_app
 from doormill_ros.operator.token import Keys, new_token
 from doormill_ros.operator.view_store import ViewStore
 from support.browser import TABLET, open_page
+from support.waiting import LIMIT
 
 NASTY = "<script>document.title='broken'</script>"
-
-LIMIT = 120_000  # ms
 
 
 @dataclass
@@ -111,7 +110,7 @@ class Guarded:
         """Send an order; `headers` are sent beside the token."""
         headers = {"Authorization": f"Bearer {token}"} if token is not None else {}
         headers |= kwargs.pop("headers", {})
-        return httpx.request(method, self.url + path, headers=headers, timeout=120.0, **kwargs)
+        return httpx.request(method, self.url + path, headers=headers, timeout=LIMIT, **kwargs)
 
 
 @pytest.fixture
@@ -126,6 +125,5 @@ def guarded(tmp_path: Path) -> Iterator[Guarded]:
 @pytest.fixture
 def shown(read_only: Any) -> Iterator[tuple[Any, Page, list[str]]]:
     with open_page(read_only.url, **TABLET) as (page, errors):
-        page.set_default_timeout(LIMIT)
-        expect(page.locator("#lost")).to_be_hidden(timeout=LIMIT)
+        expect(page.locator("#lost")).to_be_hidden()
         yield read_only, page, errors

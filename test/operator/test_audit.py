@@ -16,6 +16,7 @@ from doormill_ros.operator.page_server import PageServer
 from doormill_ros.operator.server import create_app
 from doormill_ros.operator.token import Holder, Keys, Role, new_token
 from doormill_ros.operator.view_store import ViewStore
+from support.waiting import LIMIT
 
 NASTY = "<img src=x>\n\x1b[31m{}\u202e"
 
@@ -66,9 +67,9 @@ def test_an_order_with_a_persons_token_is_written_with_the_name(guarded: Any, tm
     app = create_app(ViewStore(), guarded.control, keys, audit=AuditLog(tmp_path))
     headers = [{"Authorization": f"Bearer {token}"} for token in (*people.values(), keys.operate)]
     with PageServer(app, "127.0.0.1", 0) as server:
-        answers = [httpx.post(f"{server.url}control/cancel", headers=h, timeout=120.0) for h in headers]
-        read = httpx.get(f"{server.url}control/audit", headers=headers[1], timeout=120.0)
-        refused = httpx.get(f"{server.url}control/audit", headers=headers[0], timeout=120.0)
+        answers = [httpx.post(f"{server.url}control/cancel", headers=h, timeout=LIMIT) for h in headers]
+        read = httpx.get(f"{server.url}control/audit", headers=headers[1], timeout=LIMIT)
+        refused = httpx.get(f"{server.url}control/audit", headers=headers[0], timeout=LIMIT)
     assert [answer.status_code for answer in (*answers, read, refused)] == [202, 202, 202, 200, 403]
     found = lines(tmp_path / ORDERS)
     assert [(e["role"], e["who"]) for e in found] == [

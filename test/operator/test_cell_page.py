@@ -21,9 +21,9 @@ from playwright.sync_api import expect
 
 from support.browser import open_page
 from support.cell_processes import executable
+from support.waiting import LIMIT
 
 DOOR = "thesis_190_0deg"
-LIMIT = 120.0  # s
 ATTEMPTS = 5
 
 
@@ -77,7 +77,7 @@ def cell(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Started]:
         token = _wait_for(r"operator's token  (\w+)", output, process)
         engineer = _wait_for(r"engineer's token  (\w+)", output, process)
         url = _wait_for(r"operator's page at (http://127\.0\.0\.1:\d+)/", log, process)
-        with httpx.Client(base_url=url, timeout=120.0) as page:
+        with httpx.Client(base_url=url, timeout=LIMIT) as page:
             started = Started(process, folder, output, log, page, token, engineer)
             started.state(lambda s: s["history"] and s["history"][0]["run_id"])
             yield started
@@ -100,12 +100,12 @@ def test_the_milled_door_is_shown_with_its_picture(cell: Started) -> None:
 
 def test_a_refusal_reaches_the_browser(cell: Started) -> None:
     with open_page(str(cell.page.base_url)) as (page, errors):
-        expect(page.locator("#control")).to_be_visible(timeout=1000 * LIMIT)
+        expect(page.locator("#control")).to_be_visible()
         page.locator("#token").fill(cell.token)
         page.locator("#wanted").fill("<b>no such door</b>")
         page.locator("#mill").click()
-        expect(page.locator("#refusal")).to_contain_text("<b>no such door</b>", timeout=1000 * LIMIT)
-        expect(page.locator("#last")).to_contain_text("refused (140)", timeout=1000 * LIMIT)
+        expect(page.locator("#refusal")).to_contain_text("<b>no such door</b>")
+        expect(page.locator("#last")).to_contain_text("refused (140)")
         assert errors == []
     refused = cell.state(lambda s: s["refusal"])
     assert (refused["history"][0]["error_code"], refused["refusal_code"]) == (140, 140)
@@ -161,7 +161,7 @@ def test_the_process_list_tells_no_token(cell: Started) -> None:
 def test_it_ends_on_interrupt_and_the_token_is_nowhere(cell: Started) -> None:
     """The last test of the module: it takes the cell down."""
     cell.process.send_signal(signal.SIGINT)
-    assert cell.process.wait(180.0) == 0, cell.log.read_text()
+    assert cell.process.wait(LIMIT) == 0, cell.log.read_text()
     for token in (cell.token, cell.engineer):
         assert cell.output.read_text().count(token) == 1
     files = [path for path in cell.folder.rglob("*") if path.is_file() and path != cell.output]

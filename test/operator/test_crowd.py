@@ -16,8 +16,8 @@ from doormill_ros.operator.orders import DOORS_AT_ONCE
 from doormill_ros.operator.page_server import PageServer
 from doormill_ros.operator.server import create_app
 from doormill_ros.operator.view_store import ViewStore
+from support.waiting import LIMIT
 
-LIMIT = 60.0  # s
 MANY = 60  # more than threads that a web server shares
 
 

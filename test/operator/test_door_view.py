@@ -20,7 +20,6 @@ from doormill_ros.operator.state import CellView
 from doormill_ros.operator.view_store import ViewStore
 from doormill_ros.recipes.documents import load_recipe, shipped_recipes
 
-LIMIT = 120_000.0  # ms
 CAME_TO = {
     "planned",
     "in_work",
@@ -124,16 +123,16 @@ def test_the_page_draws_the_door_and_lists_its_errors(shown: tuple[ViewStore, Pa
     names = [feature.id for feature in recipe.features]
     store = served.store
     store.update(lambda v: v.with_run("r1", recipe.door_id).with_drawing(door_view(recipe, "r1")))
-    page.wait_for_selector("#drawing polygon.planned", state="attached", timeout=LIMIT)
+    page.wait_for_selector("#drawing polygon.planned", state="attached")
     assert page.locator("#drawing polygon").count() == len(names)
     plan = {name: (0.0, 1e-3) if number == 0 else (0.0, 1e6) for number, name in enumerate(names)}
     store.update(lambda v: v.with_plan("r1", plan).with_stage("milling", 0.7))
-    page.wait_for_selector("#drawing polygon.in_work", state="attached", timeout=LIMIT)
-    page.wait_for_selector("#drawing polygon.milled", state="attached", timeout=LIMIT)
+    page.wait_for_selector("#drawing polygon.in_work", state="attached")
+    page.wait_for_selector("#drawing polygon.milled", state="attached")
     assert page.locator("#drawing polygon.milled").count() == 1
     off = dict.fromkeys(names, 2e-4) | {names[1]: 6e-4}
     store.update(lambda v: v.with_ended(ended("r1", False)).with_measured("r1", off, 5e-4))
-    page.wait_for_selector("#drawing polygon.beyond", state="attached", timeout=LIMIT)
+    page.wait_for_selector("#drawing polygon.beyond", state="attached")
     row = page.locator("#drawing-features tr.beyond")
     assert row.locator("td").all_text_contents() == [names[1], "out of tolerance", "0.60 mm", "0.50 mm"]
     assert errors == []

@@ -23,6 +23,7 @@ from doormill_ros.operator.picture import CAPTIONS, MEDIA_TYPE, encode_picture
 from doormill_ros.operator.situation import MAY_MOVE, situation
 from doormill_ros.operator.state import CellView
 from support.browser import open_page
+from support.waiting import LIMIT
 
 ROOT = Path(__file__).parents[2]
 FOLDER = Path(str(files("doormill_ros.operator"))) / "texts"
@@ -265,4 +266,4 @@ def test_a_headline_is_found_in_the_history(read_only: Any) -> None:
     assert word not in REASON
     for language, count in (("nb", 1), ("de", 0)):
         query = {"search": word, "language": language}
-        assert httpx.get(f"{read_only.url}history", params=query, timeout=60.0).json()["found"] == count
+        assert httpx.get(f"{read_only.url}history", params=query, timeout=LIMIT).json()["found"] == count

@@ -24,8 +24,7 @@ from doormill_ros.nodes.spinning import SteadyExecutor
 from doormill_ros.operator.ended_run import EndedRun
 from doormill_ros.operator.history import FILE, append_history, load_history
 from doormill_ros.operator.state import HISTORY
-
-LIMIT = 60.0  # s
+from support.waiting import LIMIT
 
 
 def run(number: int) -> EndedRun:

@@ -24,8 +24,8 @@ from doormill_ros.operator.server import HEADERS, create_app
 from doormill_ros.operator.state import HISTORY
 from doormill_ros.operator.view_store import ViewStore
 from support.browser import open_page
+from support.waiting import LIMIT
 
-LIMIT = 120.0  # s
 COLUMNS = ["run_id", "door_id", "ended", "outcome", "error_code", "message", "measured"]
 MANY = 120
 BEGIN = 1_700_000_000.0  # s since the epoch

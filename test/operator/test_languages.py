@@ -54,7 +54,6 @@ TEXTS: dict[str, dict[str, str]] = {
 }
 ENGLISH = TEXTS["en"]
 SCRIPTS = {path.name: path.read_text() for path in FOLDER.glob("*.js")}
-LIMIT = 120_000  # ms
 PHONE = {"viewport": {"width": 360, "height": 640}, "has_touch": True}
 #: What an element says but for what is marked as English.
 WITHOUT_ENGLISH = """element => {
@@ -323,7 +322,7 @@ def said(page: Page, function: str, model: ModelView) -> str:
 def test_the_data_of_a_verdict_say_all_that_the_monitor_says(read_only: Any) -> None:
     """Said in English they are the monitor's own words, so nothing of those is lost in another language."""
     with open_page(read_only.url) as (page, errors):
-        expect(page.locator("#state")).to_have_text("unknown", timeout=LIMIT)
+        expect(page.locator("#state")).to_have_text("unknown")
         for found in FOUND:
             assert said(page, "verdictSentence", view_of(found)) == found.sentence
         own = next_sentence(NEXT)
@@ -356,9 +355,9 @@ def test_the_page_speaks_the_browsers_language(
     texts, model = TEXTS[code], view_of(FOUND[1], error_code=842)
     guarded.store.update(lambda view: view.with_bridge(True).with_handshake("idle", "").with_model(model))
     with open_page(guarded.url, locale=locale, **PHONE) as (page, errors):
-        expect(page.locator("html")).to_have_attribute("lang", code, timeout=LIMIT)
+        expect(page.locator("html")).to_have_attribute("lang", code)
         for part in words:
-            expect(page.locator("#verdict")).to_contain_text(part, timeout=LIMIT)
+            expect(page.locator("#verdict")).to_contain_text(part)
         expect(page.locator("#accept")).to_have_text(texts["accept.version"].format(version=3))
         number = "0.64 mm" if code == "en" else "0,64 mm"
         for place in ("#verdict", "#expected", "#model-message", "#next-step"):
@@ -381,8 +380,8 @@ def test_the_longest_words_fit_a_phone(guarded: Any, code: str) -> None:
     spoiled = EndedRun("r1", "standard_door", False, OutOfToleranceError.code, "1.60 mm off", 1.0, True)
     guarded.store.update(lambda view: view.with_handshake("idle", "").with_ended(spoiled).with_model(model))
     with open_page(guarded.url, locale=code, **PHONE) as (page, errors):
-        expect(page.locator("#last")).to_contain_text(TEXTS[code]["outcome.out_of_tolerance"], timeout=LIMIT)
-        expect(page.locator("#model-control")).to_be_visible(timeout=LIMIT)
+        expect(page.locator("#last")).to_contain_text(TEXTS[code]["outcome.out_of_tolerance"])
+        expect(page.locator("#model-control")).to_be_visible()
         assert page.evaluate("document.documentElement.scrollWidth") <= 360
         for name in (
             "accept",
@@ -410,16 +409,16 @@ def test_the_longest_words_fit_a_phone(guarded: Any, code: str) -> None:
 def test_a_chosen_language_is_kept_and_everything_follows(guarded: Any) -> None:
     guarded.store.update(lambda view: view.with_handshake("idle", "").with_model(view_of(FOUND[1])))
     with open_page(guarded.url) as (page, errors):
-        expect(page.locator("#accept")).to_have_text("Accept version 3", timeout=LIMIT)
+        expect(page.locator("#accept")).to_have_text("Accept version 3")
         page.locator("#language").select_option("de")
-        expect(page.locator("#accept")).to_have_text("Version 3 annehmen", timeout=LIMIT)
+        expect(page.locator("#accept")).to_have_text("Version 3 annehmen")
         expect(page.locator("#cancel")).to_have_text(TEXTS["de"]["cancel"])
         expect(page).to_have_title(TEXTS["de"]["title"])
         expect(page.locator("#next-step")).to_contain_text("Keine Tür fräsen")
         page.reload()
-        expect(page.locator("#accept")).to_have_text("Version 3 annehmen", timeout=LIMIT)
+        expect(page.locator("#accept")).to_have_text("Version 3 annehmen")
         page.locator("#language").select_option("en")
-        expect(page.locator("#verdict")).to_have_text(FOUND[1].sentence, timeout=LIMIT)
+        expect(page.locator("#verdict")).to_have_text(FOUND[1].sentence)
         assert errors == []
 
 
@@ -428,22 +427,20 @@ def test_orders_are_answered_in_the_readers_language(guarded: Any) -> None:
     texts = TEXTS["nb"]
     with open_page(guarded.url, locale="nb-NO") as (page, _):
         answer = page.locator("#model-answer")
-        expect(page.locator("#accept")).to_be_enabled(timeout=LIMIT)
+        expect(page.locator("#accept")).to_be_enabled()
         page.locator("#accept").click()
-        expect(answer).to_have_text(texts["refused.401"], timeout=LIMIT)
+        expect(answer).to_have_text(texts["refused.401"])
         page.locator("#token").fill(guarded.keys.engineer or "")
         page.locator("#accept").click()
-        expect(answer).to_have_text(texts["wrong.order"], timeout=LIMIT)
+        expect(answer).to_have_text(texts["wrong.order"])
         page.locator("#who").fill("Kari")
         page.locator("#why").fill("seen on 15 doors")
         page.locator("#accept").click()
-        expect(answer).to_have_text(texts["answer.accept"].format(version=3), timeout=LIMIT)
+        expect(answer).to_have_text(texts["answer.accept"].format(version=3))
         guarded.store.update(lambda view: view.with_model(view_of(FOUND[1], (6e-4, 5e-4, 0, 99, 3e-4))))
         # The page orders the version that it shows: until the new one has come, that is 3.
-        expect(page.locator("#accept")).to_have_text(
-            texts["accept.version"].format(version=99), timeout=LIMIT
-        )
+        expect(page.locator("#accept")).to_have_text(texts["accept.version"].format(version=99))
         page.locator("#accept").click()
-        expect(answer).to_contain_text(texts["error.831"], timeout=LIMIT)
+        expect(answer).to_contain_text(texts["error.831"])
         expect(answer).to_contain_text("version 99 of the model was never proposed")
     assert guarded.control.orders == ["accept 3, Kari: seen on 15 doors"]

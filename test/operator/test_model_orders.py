@@ -15,7 +15,6 @@ from doormill_ros.operator.state import CellView
 from doormill_ros.operator.token import Keys
 from support.browser import open_page
 
-LIMIT = 120_000  # ms
 ORDER = {"version": 3, "who": "Kari", "why": "15 doors say so"}
 NASTY = "<img src=x onerror=\"document.title='broken'\">"
 DOORS = tuple(TrendDoor("oak", f"r{k}", int(k > 1), 3e-4 + 1e-4 * k) for k in range(4))
@@ -105,9 +104,9 @@ def test_long_words_of_the_monitor_are_cut() -> None:
 
 def test_everybody_sees_the_verdict_the_trend_and_what_to_measure_next(either: Any) -> None:
     with open_page(either.url) as (page, errors):
-        expect(page.locator("#model")).to_be_hidden(timeout=LIMIT)
+        expect(page.locator("#model")).to_be_hidden()
         either.store.update(lambda view: view.with_model(MODEL))
-        expect(page.locator("#verdict")).to_have_text(MODEL.sentence, timeout=LIMIT)
+        expect(page.locator("#verdict")).to_have_text(MODEL.sentence)
         expect(page.locator("#measure-next")).to_have_text(
             "Measure this next: mill a test cut at half the feed."
         )
@@ -126,18 +125,18 @@ def test_the_engineer_accepts_with_name_reason_and_token(guarded: Any) -> None:
     keys: Keys = guarded.keys
     guarded.store.update(lambda view: view.with_model(MODEL))
     with open_page(guarded.url) as (page, errors):
-        expect(page.locator("#accept")).to_have_text("Accept version 3", timeout=LIMIT)
+        expect(page.locator("#accept")).to_have_text("Accept version 3")
         expect(page.locator("#revert")).to_be_disabled()
         page.locator("#accept").click()
-        expect(page.locator("#model-answer")).to_contain_text("token is missing", timeout=LIMIT)
+        expect(page.locator("#model-answer")).to_contain_text("token is missing")
         page.locator("#token").fill(keys.engineer or "")
         page.locator("#accept").click()
-        expect(page.locator("#model-answer")).to_have_text("your name and why are wanted", timeout=LIMIT)
+        expect(page.locator("#model-answer")).to_have_text("your name and why are wanted")
         assert guarded.control.orders == []
         page.locator("#who").fill(NASTY)
         page.locator("#why").fill("seen on 15 doors")
         page.locator("#accept").click()
-        expect(page.locator("#model-answer")).to_have_text("version 3 is in use", timeout=LIMIT)
+        expect(page.locator("#model-answer")).to_have_text("version 3 is in use")
         assert guarded.control.orders == [f"accept 3, {NASTY}: seen on 15 doors"]
         assert page.title() == "Door milling cell"
         assert len(errors) == 2  # the browser reports the refused tries

@@ -17,12 +17,11 @@ from doormill_ros.operator.picture import MEDIA_TYPE, encode_picture
 from support.browser import TABLET, open_page
 
 REASON = "door oak: no edge was found in the picture; clean the lens & check the lamp"
-LIMIT = 120_000  # ms
 NASTY = "<img src=x onerror=\"document.title='broken'\"><script>document.title='broken'</script>&amp;"
 
 
 def text_of(page: Page, selector: str, text: str) -> None:
-    expect(page.locator(selector)).to_contain_text(text, timeout=LIMIT)
+    expect(page.locator(selector)).to_contain_text(text)
 
 
 def test_a_refusals_reason_shows_up_by_itself(shown: tuple[Any, Page, list[str]]) -> None:
@@ -32,7 +31,7 @@ def test_a_refusals_reason_shows_up_by_itself(shown: tuple[Any, Page, list[str]]
     text_of(page, "#state", "requested: the controller asks")
     update(lambda v: v.with_run("r1", "oak").with_stage("picture", 0.1))
     text_of(page, "#door", "oak, stage picture")
-    expect(page.locator("#refusal")).to_be_hidden(timeout=LIMIT)
+    expect(page.locator("#refusal")).to_be_hidden()
     update(lambda v: v.with_ended(EndedRun("r1", "oak", False, 201, REASON, 1.0)))
     text_of(page, "#refusal", REASON)
     expect(page.locator("#refusal")).to_be_visible()
@@ -193,11 +192,11 @@ def test_no_answer_becomes_markup(controlled: Any, refused: bool) -> None:
 def test_doors_of_the_database_are_offered(controlled: Any) -> None:
     with open_page(controlled.url, **TABLET) as (page, errors):
         offered = page.locator("#doors option")
-        expect(page.locator("#wanted")).to_be_visible(timeout=LIMIT)  # what is hidden takes no focus
+        expect(page.locator("#wanted")).to_be_visible()  # what is hidden takes no focus
         page.locator("#wanted").focus()
-        expect(offered).to_have_count(3, timeout=LIMIT)
+        expect(offered).to_have_count(3)
         page.locator("#wanted").fill("oak_")
-        expect(offered).to_have_count(1, timeout=LIMIT)
+        expect(offered).to_have_count(1)
         assert offered.get_attribute("value") == "oak_2"
         assert page.title() == "Door milling cell"
         assert errors == []

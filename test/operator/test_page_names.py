@@ -14,9 +14,9 @@ from doormill_ros.operator.page_names import page_names
 from doormill_ros.operator.page_server import PageServer
 from doormill_ros.operator.server import create_app
 from doormill_ros.operator.view_store import ViewStore
+from support.waiting import LIMIT
 
 NAME = "cell1.factory.example"
-LIMIT = 60.0  # s
 
 
 @pytest.fixture(scope="module")

@@ -18,11 +18,11 @@ import pytest
 import yaml
 
 from doormill_ros.nodes import topics
-from support.cell_processes import NODES, STOP_LIMIT, CellProcesses, executable, free_port
+from support.cell_processes import NODES, CellProcesses, executable, free_port
+from support.waiting import LIMIT
 
 DOOR = "thesis_190_0deg"
 PAGE = "operator_page"
-LIMIT = 240.0  # s
 
 
 class Beside:
@@ -43,7 +43,7 @@ class Beside:
         deadline, shown = time.monotonic() + LIMIT, {}
         while True:
             try:
-                shown = httpx.get(f"{self.url}/state", timeout=60.0).json()
+                shown = httpx.get(f"{self.url}/state", timeout=LIMIT).json()
             except httpx.TransportError:
                 shown = {}
             if shown and until(shown):
@@ -54,7 +54,7 @@ class Beside:
     def order(self, path: str, role: str, **body: str) -> httpx.Response:
         token = yaml.safe_load(self.tokens.read_text())[role]
         headers = {"Authorization": f"Bearer {token}"}
-        return httpx.post(f"{self.url}/control/{path}", json=body, headers=headers, timeout=60.0)
+        return httpx.post(f"{self.url}/control/{path}", json=body, headers=headers, timeout=LIMIT)
 
 
 @pytest.fixture(scope="module")
@@ -66,7 +66,7 @@ def beside(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Beside]:
 
 
 def test_a_door_is_watched_from_its_order_to_its_end(beside: Beside) -> None:
-    assert "<title>" in httpx.get(beside.url, timeout=60.0).text
+    assert "<title>" in httpx.get(beside.url, timeout=LIMIT).text
     beside.state(lambda s: s["state"] and s["control"] and not s["run_id"])
     answer = beside.order("mill", "operate", door_id=DOOR)
     assert answer.status_code == 202, answer.text
@@ -80,7 +80,7 @@ def test_a_door_is_watched_from_its_order_to_its_end(beside: Beside) -> None:
     last = beside.state(ended)
     assert len(seen) >= 2, seen
     assert (last["history"][0]["door_id"], last["history"][0]["success"]) == (DOOR, True)
-    picture = httpx.get(f"{beside.url}/picture/{last['picture']['number']}", timeout=60.0)
+    picture = httpx.get(f"{beside.url}/picture/{last['picture']['number']}", timeout=LIMIT)
     assert picture.headers["content-type"].startswith("image/")
 
 
@@ -145,10 +145,10 @@ def test_without_a_file_of_tokens_it_only_shows(beside: Beside) -> None:
     with another(beside.folder, "shown_page", port=0) as (process, log):
         beside.cell.wait(lambda: "]: active" in log.read_text())
         url = re.search(r"operator's page at (http://127\.0\.0\.1:\d+)/", log.read_text())[1]
-        assert httpx.get(f"{url}/state", timeout=60.0).json()["control"] is False
-        assert httpx.post(f"{url}/control/cancel", timeout=60.0).status_code == 404
+        assert httpx.get(f"{url}/state", timeout=LIMIT).json()["control"] is False
+        assert httpx.post(f"{url}/control/cancel", timeout=LIMIT).status_code == 404
         process.send_signal(signal.SIGTERM)
-        assert process.wait(STOP_LIMIT) == 0
+        assert process.wait(LIMIT) == 0
 
 
 @pytest.mark.parametrize("what", ["port", "tokens"])
@@ -170,7 +170,7 @@ def test_what_it_cannot_use_is_said_and_tried_again_until_it_can(beside: Beside,
         beside.cell.wait(lambda: "]: active" in log.read_text())
         assert "Traceback" not in log.read_text()
         process.send_signal(signal.SIGINT)
-        assert process.wait(STOP_LIMIT) == 0
+        assert process.wait(LIMIT) == 0
 
 
 def test_it_ends_in_order_and_tells_no_token(beside: Beside) -> None:

@@ -14,7 +14,6 @@ from doormill_ros.operator.runs_view import RunsView
 from doormill_ros.operator.short_text import LONGEST_TEXT
 from support.browser import open_page
 
-LIMIT = 120_000  # ms
 PHONE = {"viewport": {"width": 360, "height": 640}, "has_touch": True}
 NASTY = "<script>document.title='broken'</script>"
 
@@ -104,7 +103,7 @@ def test_the_monitor_says_what_changed_where_since_when_and_how_much(kind: str) 
 
 def test_the_data_of_a_verdict_say_all_that_the_monitor_says(read_only: Any) -> None:
     with open_page(read_only.url) as (page, errors):
-        expect(page.locator("#state")).to_have_text("unknown", timeout=LIMIT)
+        expect(page.locator("#state")).to_have_text("unknown")
         assert len(FOUND) == 5
         for found in FOUND.values():
             assert said(page, "runsSentence", view_of(found)) == found.sentence
@@ -136,8 +135,8 @@ def test_the_page_shows_it_in_the_readers_language(
 ) -> None:
     read_only.store.update(lambda view: view.with_runs(view_of(FOUND["explained"])))
     with open_page(read_only.url, locale=locale, **PHONE) as (page, errors):
-        expect(page.locator("#runs h2")).to_have_text(heading, timeout=LIMIT)
-        expect(page.locator("#runs-verdict")).to_contain_text(words[0], timeout=LIMIT)
+        expect(page.locator("#runs h2")).to_have_text(heading)
+        expect(page.locator("#runs-verdict")).to_contain_text(words[0])
         shown = page.locator("#runs-verdict").inner_text()
         assert [word for word in words if word not in shown] == []
         expect(page.locator("#runs-next")).to_contain_text("r7")
@@ -151,16 +150,16 @@ def test_the_page_shows_it_in_the_readers_language(
 
 def test_it_has_a_place_of_its_own_only_where_something_is_said(read_only: Any) -> None:
     with open_page(read_only.url) as (page, errors):
-        expect(page.locator("#state")).to_have_text("unknown", timeout=LIMIT)
+        expect(page.locator("#state")).to_have_text("unknown")
         assert not page.locator("#runs").is_visible()
         read_only.store.update(lambda view: view.with_runs(RunsView(asking=True)))
         read_only.store.update(lambda view: view.with_runs(view_of(FOUND["consistent"])))
-        expect(page.locator("#runs-verdict")).to_have_text(SAID["consistent"], timeout=LIMIT)
+        expect(page.locator("#runs-verdict")).to_have_text(SAID["consistent"])
         expect(page.locator("#runs-next")).to_be_hidden()
         assert not page.locator("#model").is_visible()
         wrong = replace(view_of(FOUND["consistent"]), error_code=844, message="no space left")
         read_only.store.update(lambda view: view.with_runs(wrong))
-        expect(page.locator("#runs-message")).to_have_text("no space left", timeout=LIMIT)
+        expect(page.locator("#runs-message")).to_have_text("no space left")
         assert errors == []
 
 
@@ -170,7 +169,7 @@ def test_no_word_of_it_becomes_markup(read_only: Any, locale: str) -> None:
     nasty = RunsView(NASTY, "explained", (change,), 6, NASTY, (NASTY,), False, 844, NASTY)
     read_only.store.update(lambda view: view.with_runs(nasty))
     with open_page(read_only.url, locale=locale) as (page, errors):
-        expect(page.locator("#runs-verdict")).to_contain_text(NASTY, timeout=LIMIT)
+        expect(page.locator("#runs-verdict")).to_contain_text(NASTY)
         expect(page.locator("#runs-left")).to_contain_text(NASTY)
         assert page.locator("script").count() == 1
         assert page.title() not in ("", "broken")

@@ -20,8 +20,8 @@ from doormill_ros.operator.server import create_app
 from doormill_ros.operator.token import authorizes, new_token
 from doormill_ros.operator.view_store import ViewStore
 from support.source_tree import PACKAGE
+from support.waiting import LIMIT
 
-LIMIT = 120.0  # s
 PAGE = PACKAGE / "operator"
 get, post = partial(httpx.get, timeout=LIMIT), partial(httpx.post, timeout=LIMIT)
 ORDERS = [("/control/mill", {"door_id": "oak"}), ("/control/cancel", {})]

@@ -26,7 +26,6 @@ from doormill_ros.recipes.documents import load_recipe, shipped_recipes
 from doormill_ros.toolpath.settings import load_settings
 from support.browser import TABLET, open_page
 
-LIMIT = 120_000  # ms
 TEXTS = {
     code: json.loads((files("doormill_ros.operator") / f"texts/{code}.json").read_text(encoding="utf-8"))
     for code in LANGUAGES
@@ -282,7 +281,7 @@ def test_the_browser_shows_whose_features_they_are_and_how_far_both_are(
     store, page, errors = pair
     whose = robots_of(RECIPE, load_settings())
     numbers = sorted(" + ".join(map(str, own)) for own in whose.values())
-    expect(page.locator("#drawing-features tr")).to_have_count(len(whose), timeout=LIMIT)
+    expect(page.locator("#drawing-features tr")).to_have_count(len(whose))
     listed = page.locator("#drawing-features .whose").all_text_contents()
     assert sorted(listed) == [f"Robot {own}" for own in numbers]
     drawn = page.locator("#drawing text.on-wood, #drawing text.beside").all_text_contents()
@@ -294,7 +293,7 @@ def test_the_browser_shows_whose_features_they_are_and_how_far_both_are(
     plan = {name: (0.0, 1e-3) if number == 0 else (0.0, 1e6) for number, name in enumerate(names)}
     store.update(lambda view: robots(view.with_plan("r1", plan, 1), "milling", "requested"))
     expect(page.locator("#state")).to_have_text("milling: robot 1 mills; robot 2 waits for its turn")
-    expect(rows.first).to_have_text(f"Robot 1: 1 of {own[0]} features milled", timeout=LIMIT)
+    expect(rows.first).to_have_text(f"Robot 1: 1 of {own[0]} features milled")
     store.update(lambda view: robots(view, "done", "milling"))
     expect(rows.first).to_have_text(f"Robot 1: {own[0]} of {own[0]} features milled")
     expect(page.locator("#next-step")).to_have_text("Stay out of the cell. Robot 2 mills the door.")
@@ -310,7 +309,7 @@ def test_other_languages_tell_what_both_do_and_whose_fault_it_is(read_only: Any,
     read_only.store.update(lambda _: view)
     with open_page(read_only.url, locale=code, **PHONE) as (page, errors):
         both = texts["pair.milling"].format(robot=1), texts["pair.turn"].format(robot=2)
-        expect(page.locator("#state")).to_have_text("; ".join(both), timeout=LIMIT)
+        expect(page.locator("#state")).to_have_text("; ".join(both))
         expect(page.locator("#next-step")).to_have_text(texts["step.stay_out_of"].format(robot=1))
         named = texts["node.robot"].format(robot=2, said=texts["node.abb_bridge"])
         expect(page.locator("#faults strong")).to_contain_text(named)

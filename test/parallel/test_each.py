@@ -17,6 +17,7 @@ from doormill_ros.parallel import workplace
 from doormill_ros.parallel.each import Answered, each
 from doormill_ros.parallel.errors import NoSchedulerError, OtherSoftwareError, WorkersDiedError
 from doormill_ros.parallel.workplace import Workplace
+from support.waiting import LIMIT
 from support.worker_tasks import Task, square
 
 COUNT = 12
@@ -157,7 +158,7 @@ def test_a_scheduler_without_workers(tmp_path: Path) -> None:
         [sys.executable, script, tmp_path],
         capture_output=True,
         text=True,
-        timeout=200,
+        timeout=LIMIT,
         check=False,
         env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
     )

@@ -18,6 +18,7 @@ from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.recipes.store import schema
 from doormill_ros.recipes.store.database import SHIPPER, RecipeDatabase
 from doormill_ros.recipes.store.engine import ENVIRONMENT, WRITE, default_url, make_engine
+from support.waiting import LIMIT
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -288,7 +289,7 @@ def saved_by_threads(url, recipe):
     for thread in threads:
         thread.start()
     for thread in threads:
-        thread.join(60)
+        thread.join(LIMIT)
     return versions
 
 
@@ -307,7 +308,7 @@ def saved_by_processes(url, recipe):
     for cell in cells:
         cell.stdin.write("go\n")
         cell.stdin.flush()
-    return [json.loads(cell.communicate(timeout=300)[0]) for cell in cells]
+    return [json.loads(cell.communicate(timeout=LIMIT)[0]) for cell in cells]
 
 
 @pytest.mark.parametrize("save", [saved_by_threads, saved_by_processes])
@@ -326,7 +327,7 @@ def test_concurrent_savers_get_distinct_versions(url, recipe, save):
 
 def at_once(count, work):
     """Run `work(start)` in threads that meet at the barrier `start`; none may fail."""
-    start = threading.Barrier(count, timeout=300.0)
+    start = threading.Barrier(count, timeout=LIMIT)
     failures = []
 
     def run():

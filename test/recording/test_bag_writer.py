@@ -21,6 +21,7 @@ from doormill_ros.recording.bag_writer import BagWriter
 from doormill_ros.recording.errors import BagExistsError, UnreadableBagError
 from support.bag_content import SIZE, noise, offered, text
 from support.source_tree import ROOT
+from support.waiting import LIMIT
 
 QOS = offered()
 LARGE = 10_000  # bytes
@@ -144,7 +145,7 @@ def test_repacking_is_a_command(tmp_path: Path) -> None:
 
     def repack(*arguments: object) -> subprocess.CompletedProcess[str]:
         command = [sys.executable, script, *map(str, arguments)]
-        return subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=60)
+        return subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=LIMIT)
 
     done = repack("bag", "new", "--without", "/flag")
     assert (done.returncode, done.stdout) == (0, "new\n"), done.stderr

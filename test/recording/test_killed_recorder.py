@@ -17,8 +17,8 @@ from bags.timeline import load_timeline, violations
 from doormill_ros.recording.bag_reader import is_broken_off, read_bag
 from doormill_ros.recording.replay.replay import replay_bag
 from support.source_tree import ROOT
+from support.waiting import LIMIT
 
-LIMIT = 180.0  # s
 DOOR = "thesis_190_0deg"
 #: The whole cell in one process mills a door, says so and waits to be killed.
 CELL = """

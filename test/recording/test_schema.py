@@ -19,8 +19,8 @@ from doormill_interfaces.msg import TFMessage
 from doormill_ros.recording.errors import UnknownTypeError
 from doormill_ros.recording.schema import load_schema
 from support.source_tree import ROOT
+from support.waiting import LIMIT
 
-LIMIT = 60.0  # s
 FEEDBACK = "doormill_interfaces/action/MillDoor_FeedbackMessage"
 OWN = [f"doormill_interfaces/msg/{p.stem}" for p in sorted((ROOT / "doormill_interfaces/msg").glob("*.msg"))]
 FRAMES, TF2_FRAMES = "doormill_interfaces/msg/TFMessage", "tf2_msgs/msg/TFMessage"

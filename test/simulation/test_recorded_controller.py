@@ -18,7 +18,6 @@ from doormill_ros.simulation.recorded_controller import (
 from support.waiting import until
 
 S = 1_000_000_000  # ns
-LIMIT = 30.0  # s
 MILLED = [
     "clearing",
     "idle",

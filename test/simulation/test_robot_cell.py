@@ -13,10 +13,9 @@ from doormill_ros.simulation.controller.arm import ControllerArm
 from doormill_ros.simulation.controller.io_port import FolderIo
 from doormill_ros.simulation.robot_cell import RobotCell, RobotCellRun
 from support.faults.world import make_file
-from support.waiting import until
+from support.waiting import LIMIT, until
 
 DOOR = "door_a"
-LIMIT = 120.0  # s
 
 
 class Pc:

@@ -13,6 +13,8 @@ from pathlib import Path
 
 from playwright.sync_api import Page, expect, sync_playwright
 
+from support.waiting import LIMIT
+
 NAMES = ("chromium", "chromium-browser", "google-chrome")
 ARGUMENTS = [
     "--headless",
@@ -25,8 +27,6 @@ ARGUMENTS = [
     "--disable-sync",
 ]
 TABLET = {"viewport": {"width": 1024, "height": 768}, "has_touch": True}
-INSTALL_LIMIT = 240  # s
-PAGE_LIMIT = 120_000  # ms
 
 
 def _found() -> str | None:
@@ -49,9 +49,7 @@ def browser_path() -> str:
 def _install() -> None:
     environment = {**os.environ, "DEBIAN_FRONTEND": "noninteractive"}
     for command in (["update"], ["install", "-y", "--no-install-recommends", "chromium"]):
-        subprocess.run(
-            ["apt-get", "-qq", *command], env=environment, capture_output=True, timeout=INSTALL_LIMIT
-        )
+        subprocess.run(["apt-get", "-qq", *command], env=environment, capture_output=True, timeout=LIMIT)
 
 
 @contextmanager
@@ -70,8 +68,8 @@ def open_page(url: str, **context: object) -> Iterator[tuple[Page, list[str]]]:
             page.on("console", lambda m: errors.append(m.text) if m.type == "error" else None)
             page.on("pageerror", lambda e: errors.append(str(e)))
             # A loaded machine must not turn a good page into a failed one.
-            page.set_default_timeout(PAGE_LIMIT)
-            expect.set_options(timeout=PAGE_LIMIT)
+            page.set_default_timeout(1000 * LIMIT)
+            expect.set_options(timeout=1000 * LIMIT)
             page.goto(url)
             yield page, errors
         finally:

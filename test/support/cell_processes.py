@@ -25,6 +25,7 @@ from doormill_interfaces.action import MillDoor
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.goal_client import GoalClient
 from doormill_ros.nodes.mailboxes import lost_mailboxes
+from support.waiting import LIMIT
 
 NODES = (
     "bag_recorder",
@@ -40,9 +41,6 @@ PATIENT = {f"limit.{stage}": 120.0 for stage in ("recipe", "picture", "targets",
 PATIENT |= {"limit.sign_of_life": 30.0, "limit.answer": 30.0}
 ASK_AGAIN = 5.0  # s
 ASK_ANEW = 20.0  # s, by a client that everybody has to discover again
-START_LIMIT = 240.0  # s; less than a test is given, so that this says what was waited for
-STOP_LIMIT = 120.0  # s
-MILL_LIMIT = 280.0  # s; less than a test is given, likewise
 
 #: How the reason ends that a node gives when it hears nobody, or is not heard, and where it is looked for [characters].
 RENEWED, LAST_WORDS = "so that it can be started again.", 2000
@@ -117,11 +115,11 @@ class CellProcesses:
         process = self.processes.pop(name)
         process.send_signal(how)
         try:
-            return process.wait(STOP_LIMIT)
+            return process.wait(LIMIT)
         except subprocess.TimeoutExpired:
             process.kill()
             process.wait()
-            raise AssertionError(f"{name} did not end within {STOP_LIMIT} s: {self.log(name)}") from None
+            raise AssertionError(f"{name} did not end within {LIMIT} s: {self.log(name)}") from None
 
     def log(self, name: str) -> str:
         return (self.folder / f"{name}.log").read_text(errors="replace")
@@ -161,7 +159,7 @@ class CellProcesses:
             if node in self._names or (node.endswith("simulator") and "cell_simulator" in self._names):
                 self.wait_until_active(node)
         if "abb_bridge" in self._names:
-            assert self._action.wait_for_server(START_LIMIT), self.log("abb_bridge")
+            assert self._action.wait_for_server(LIMIT), self.log("abb_bridge")
 
     def wait_until_active(self, node: str) -> None:
         """Asks again and again, now and then by a new client: an answer of a process that was killed never comes."""
@@ -204,7 +202,7 @@ class CellProcesses:
         said = "\n".join(f"--- {name}\n{self.log(name)[-1500:]}" for name in self.processes)
         return f"this process has lost {lost_mailboxes()}, the others {lost}\n{said}"
 
-    def wait(self, condition: Callable[[], Any], limit: float = START_LIMIT, pause: float = 0.02) -> Any:
+    def wait(self, condition: Callable[[], Any], limit: float = LIMIT, pause: float = 0.02) -> Any:
         deadline = time.monotonic() + limit
         while not (value := condition()):
             assert time.monotonic() < deadline, f"waited for {limit:g} s in vain; {self._situation()}"
@@ -249,13 +247,13 @@ class CellProcesses:
         return received
 
     def mill(
-        self, door_id: str, limit: float = MILL_LIMIT, action: str = "mill_door"
+        self, door_id: str, limit: float = LIMIT, action: str = "mill_door"
     ) -> tuple[MillDoor.Result, list[str]]:
         """Send the goal; the result and the stages that the feedback named. Says how far it came where none comes."""
         if action not in self._actions:
             self._actions[action] = GoalClient(self.node, MillDoor, action)
         client = self._actions[action]
-        assert client.wait_for_server(START_LIMIT)
+        assert client.wait_for_server(LIMIT)
         stages: list[str] = []
         before = {result.run_id for result in self._results}
         done = threading.Event()

@@ -24,6 +24,8 @@ from pathlib import Path
 
 import psycopg
 
+from support.waiting import LIMIT
+
 USER = "doormill"
 START_SECONDS = 60.0
 PREFIX, OWNER = "doormill_postgres_", "owner"  # temporary folder, and its file with our process id
@@ -197,4 +199,4 @@ def _stop(process: subprocess.Popen) -> None:
     """Immediate shutdown, as the data go too; the postmaster takes its children with it."""
     if process.poll() is None:
         process.send_signal(signal.SIGQUIT)
-        process.wait(120)
+        process.wait(LIMIT)

@@ -43,6 +43,7 @@ from doormill_ros.simulation.controller.rws_server.server import RwsServer
 from doormill_ros.toolpath.generate import generate_program
 from doormill_ros.toolpath.program import MillingProgram, MotionKind
 from doormill_ros.units import m_to_mm, rad_to_deg
+from support.waiting import LIMIT
 
 ROBOT = "irb6600_175_255"
 #: How far an ordered target may be from the door's own: half of the file's last decimal, and float32 [mm or deg].
@@ -51,7 +52,6 @@ CLOSE = 2e-3
 _LINK = LinkTimeouts(connect=20.0, read=20.0, write=20.0, total=20.0)
 _WAITS = HandshakeTimeouts(submission=600.0, acknowledge=600.0, link_loss=600.0)
 #: How long the plant waits for anything before the shift has failed [s].
-PATIENCE = 300.0
 #: Looks at the open handles, of which the least counts.
 _LOOKS = 20
 
@@ -243,14 +243,14 @@ class Shift:
             self.controller.cell.set_input("giDoorNumber", 1.0 + list(self.programs).index(door))
         else:
             self.controller.cell.set_input("giDoorNumber", 0.0)
-            self._handshake.expect_door(door).result(PATIENCE)
+            self._handshake.expect_door(door).result(LIMIT)
         self._clamp(1.0)
 
     def _clamp(self, closed: float) -> None:
         self.controller.cell.set_input(DOOR_CLAMPED, closed)
 
     def _until(self, reached: Callable[[], bool], report: DoorReport) -> None:
-        end = time.monotonic() + PATIENCE
+        end = time.monotonic() + LIMIT
         while not reached():
             if self._ended or time.monotonic() > end:
                 raise TimeoutError(

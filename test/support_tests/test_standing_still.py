@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from support.source_tree import ROOT
+from support.waiting import LIMIT
 
 TESTS = {
     "in a call": (
@@ -36,7 +37,7 @@ def test_its_process_ends(where: str, tmp_path: Path) -> None:
         env={**os.environ, "PYTHONPATH": str(ROOT / "test")},  # what the settings themselves need
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=LIMIT,
     )
     assert done.returncode == 1, done.stdout
     assert "Timeout (0:00:02)!" in done.stderr

@@ -25,6 +25,7 @@ from doormill_ros.nodes.convert.picture import picture_message
 from doormill_ros.simulation.picture.picture import render_picture
 from doormill_ros.simulation.picture.scene import PictureScene, Surface
 from support.pictures.uneven_boards import session
+from support.waiting import LIMIT
 
 TOPIC = "/calibrate_live/image_raw"
 
@@ -57,12 +58,12 @@ def test_boards_are_taken_until_no_view_is_missing(camera: Node, tmp_path: Path)
     out, saved = tmp_path / "camera.yaml", tmp_path / "boards"
     arguments = ["--topic", TOPIC, "--square", "20", "--out", str(out), "--save", str(saved), "--wait", "240"]
     process = calibrate("intrinsics", *arguments)
-    end, i = time.monotonic() + 240.0, 0
+    end, i = time.monotonic() + LIMIT, 0
     while process.poll() is None and time.monotonic() < end:
         publisher.publish(picture_message(pictures[i // 4 % len(pictures)], Header()))
         i += 1
         time.sleep(0.1)
-    said, errors = process.communicate(timeout=60)
+    said, errors = process.communicate(timeout=LIMIT)
     assert process.returncode == 0, errors
     assert "001.png taken; show " in errors
     assert "that is all" in errors
@@ -73,7 +74,7 @@ def test_boards_are_taken_until_no_view_is_missing(camera: Node, tmp_path: Path)
     # What was saved calibrates the same without the camera.
     again = tmp_path / "again.yaml"
     files = [str(path) for path in sorted(saved.glob("*.png"))]
-    assert calibrate("intrinsics", *files, "--square", "20", "--out", str(again)).wait(120) == 0
+    assert calibrate("intrinsics", *files, "--square", "20", "--out", str(again)).wait(LIMIT) == 0
     np.testing.assert_allclose(load_camera(again).k, load_camera(out).k, rtol=1e-9)
 
 
@@ -81,7 +82,7 @@ def test_a_topic_without_a_camera_is_told(tmp_path: Path) -> None:
     process = calibrate(
         "intrinsics", "--topic", "/nobody", "--square", "20", "--out", str(tmp_path / "a.yaml"), "--wait", "1"
     )
-    _, errors = process.communicate(timeout=60)
+    _, errors = process.communicate(timeout=LIMIT)
     assert process.returncode == 2
     assert (
         errors == "calibration: no picture came on /nobody within 1 s; start the camera, or name its topic\n"
@@ -90,7 +91,7 @@ def test_a_topic_without_a_camera_is_told(tmp_path: Path) -> None:
 
 def test_neither_files_nor_topic_is_told(tmp_path: Path) -> None:
     process = calibrate("intrinsics", "--square", "20", "--out", str(tmp_path / "a.yaml"))
-    _, errors = process.communicate(timeout=60)
+    _, errors = process.communicate(timeout=LIMIT)
     assert process.returncode == 2
     assert "neither pictures nor a topic" in errors
 
@@ -110,11 +111,11 @@ def test_a_moved_door_is_asked_for_and_written_down(camera: Node, tmp_path: Path
     assert isinstance(process.stdin, io.TextIOBase)
     process.stdin.write("\n\n")
     process.stdin.flush()
-    end = time.monotonic() + 120.0
+    end = time.monotonic() + LIMIT
     while process.poll() is None and time.monotonic() < end:
         publisher.publish(picture_message(np.full((1080, 1920), 77, np.uint8), Header()))
         time.sleep(0.2)
-    _, errors = process.communicate(timeout=60)
+    _, errors = process.communicate(timeout=LIMIT)
     assert process.returncode == 2
     assert "door of 50 mm to x, y, z = 0, 10, 0 mm from the reference place, then Enter: " in errors
     assert cv2.imread(str(tmp_path / "1.png"))[3, 3].tolist() == [77, 77, 77]
@@ -129,11 +130,11 @@ def test_the_empty_clamp_is_taken_from_a_topic(camera: Node, tmp_path: Path) -> 
     out = tmp_path / "camera.yaml"
     arguments = ["--topic", TOPIC, "--width", "826", "--count", "3", "--out", str(out), "--wait", "120"]
     process = calibrate("empty", *arguments)
-    end = time.monotonic() + 120.0
+    end = time.monotonic() + LIMIT
     while process.poll() is None and time.monotonic() < end:
         publisher.publish(picture_message(picture, Header()))
         time.sleep(0.1)
-    said, complaint = process.communicate(timeout=30.0)
+    said, complaint = process.communicate(timeout=LIMIT)
     assert process.returncode == 0, complaint
     assert "the empty clamp for doors of 826 mm: 3 pictures" in said
     np.testing.assert_array_equal(load_camera(out).empty[0].picture, picture)

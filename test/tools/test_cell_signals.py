@@ -13,8 +13,8 @@ from pathlib import Path
 import pytest
 
 from support.cell_processes import executable
+from support.waiting import LIMIT
 
-LIMIT = 300.0  # s
 #: What nodes log while all is well and of a door that is given up, what is told of a robot, and the stages of a door.
 USUAL = re.compile(
     r"\[INFO\] \[|\[WARN\] .* (the run was canceled|the bridge was deactivated by its operator$)"

@@ -15,11 +15,16 @@ from rclpy.node import Node
 
 from doormill_ros.nodes import topics
 from support.cell_processes import CellProcesses, executable
+from support.waiting import LIMIT
 
 
 def health(*arguments: str) -> tuple[int, str]:
     done = subprocess.run(
-        [executable("health"), *arguments], capture_output=True, text=True, timeout=300, env=dict(os.environ)
+        [executable("health"), *arguments],
+        capture_output=True,
+        text=True,
+        timeout=LIMIT,
+        env=dict(os.environ),
     )
     assert "Traceback" not in done.stderr
     return done.returncode, done.stdout
@@ -94,6 +99,8 @@ def test_of_two_robots_each_must_be_there_and_take_files() -> None:
 
 
 def test_a_wrong_wait_is_refused() -> None:
-    done = subprocess.run([executable("health"), "--wait", "-1"], capture_output=True, text=True, timeout=60)
+    done = subprocess.run(
+        [executable("health"), "--wait", "-1"], capture_output=True, text=True, timeout=LIMIT
+    )
     assert done.returncode == 2
     assert done.stderr.startswith("health: argument --wait: found -1")

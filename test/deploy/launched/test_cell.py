@@ -15,8 +15,9 @@ import pytest
 import yaml
 
 from doormill_ros.nodes import topics
-from support.cell_processes import MANAGED, NODES, PATIENT, STOP_LIMIT, CellProcesses, free_port
+from support.cell_processes import MANAGED, NODES, PATIENT, CellProcesses, free_port
 from support.source_tree import ROOT
+from support.waiting import LIMIT
 
 DOOR = "thesis_190_0deg"
 STARTED = re.compile(r"\[(\w+)-\d+\]: process started with pid \[(\d+)\]")
@@ -59,7 +60,7 @@ class LaunchedCell(CellProcesses):
         """As a terminal does: everything in it hears of it."""
         process = self.processes.pop("launch")
         os.killpg(process.pid, signal.SIGINT)
-        return process.wait(STOP_LIMIT)
+        return process.wait(LIMIT)
 
     def started(self, name: str) -> list[int]:
         """Process ids of a node, in the order of its starts."""
@@ -166,7 +167,7 @@ def test_two_robots_share_a_door(tmp_path: Path) -> None:
         assert result.success, result.message
         for robot in ("robot1", "robot2"):
             assert list((tmp_path / "out" / "targets" / robot).glob("*.txt"))
-        told = httpx.get(f"http://127.0.0.1:{cell.page_port}/state", timeout=60.0).json()
+        told = httpx.get(f"http://127.0.0.1:{cell.page_port}/state", timeout=LIMIT).json()
         assert [robot["present"] for robot in told["robots"]] == [True, True]
         assert [run["run_id"] for run in told["history"]] == [result.run_id]
         assert cell.interrupt() == 0

@@ -17,8 +17,8 @@ import pytest
 from support.cell_processes import CellProcesses, free_port
 from support.shell import output_of
 from support.source_tree import ROOT
+from support.waiting import LIMIT
 
-LIMIT = 240  # s
 DOORS = 10
 DOOR = "thesis_190_0deg"
 PAGES = {path.name: path for path in (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))}
@@ -108,7 +108,7 @@ def test_the_operator_s_page_is_served_beside_the_cell(
 
         def shown() -> dict[str, Any]:
             with suppress(httpx.TransportError):
-                return dict(httpx.get(f"http://127.0.0.1:{port}/state", timeout=60.0).json())
+                return dict(httpx.get(f"http://127.0.0.1:{port}/state", timeout=LIMIT).json())
             return {}
 
         # It has heard of the bridge, and what that does.

@@ -10,6 +10,7 @@ import pytest
 
 from support.cell_processes import executable
 from support.source_tree import ROOT
+from support.waiting import LIMIT
 
 LOAD = """
 import sys
@@ -45,7 +46,7 @@ def load(system: Path) -> list[str]:
         env={"PYTHONPATH": str(ROOT)},
         capture_output=True,
         text=True,
-        timeout=100,
+        timeout=LIMIT,
         check=True,
     )
     return done.stdout.splitlines()
@@ -93,7 +94,7 @@ def test_the_node_can_be_imported_without_it() -> None:
         "print('gi' in sys.modules)"
     )
     done = subprocess.run(
-        [sys.executable, "-c", text], cwd=ROOT, capture_output=True, text=True, timeout=100, check=True
+        [sys.executable, "-c", text], cwd=ROOT, capture_output=True, text=True, timeout=LIMIT, check=True
     )
     assert done.stdout == "False\n"
 
@@ -102,7 +103,7 @@ def test_the_executable_ends_with_the_sentence(tmp_path: Path, monkeypatch: pyte
     """With the status after which no service starts it again."""
     put(tmp_path, SYSTEMS["of another Python"][0])
     monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=":")
-    done = subprocess.run([executable("gige_camera")], capture_output=True, text=True, timeout=200)
+    done = subprocess.run([executable("gige_camera")], capture_output=True, text=True, timeout=LIMIT)
     assert done.returncode == 2, done.stdout + done.stderr
     assert "aravis cannot be loaded (cannot import name '_gi'" in done.stderr
     assert "Traceback" not in done.stderr

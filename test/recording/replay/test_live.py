@@ -15,9 +15,9 @@ import yaml
 from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.recipes.store.database import RecipeDatabase
 from support.source_tree import ROOT
+from support.waiting import LIMIT
 
 BAGS = ROOT / "bags"
-LIMIT = 180  # s
 
 
 def live(bag: Path, *arguments: str) -> subprocess.CompletedProcess[str]:

@@ -25,6 +25,7 @@ from doormill_ros.simulation.controller.rapid.errors import (
 )
 from support.configuration import conf_data
 from support.inverse_kinematics import inverse
+from support.waiting import LIMIT
 
 FREE, ONE = "[9E9,9E9,9E9,9E9,9E9,9E9]", "[1,0,0,0]"
 #: Target a: tool straight ahead, 1.5 m in front of the robot, at the height of its shoulder.
@@ -365,7 +366,7 @@ def test_signals_in_a_folder_reach_a_program_in_another_thread(run, tmp_path):
     thread = threading.Thread(target=pc, daemon=True)
     thread.start()
     robot.run()
-    thread.join(60.0)
+    thread.join(LIMIT)
     assert io.read("doPathRequest") == 0
     assert (tmp_path / "io" / "doPathReady").read_bytes() == b"1"
 

@@ -22,7 +22,7 @@ from doormill_ros.simulation.controller.cell import DOOR_CLAMPED
 from doormill_ros.simulation.controller.controller import VirtualController
 from doormill_ros.simulation.controller.rws_server.running import served_cabinet
 from doormill_ros.simulation.controller.rws_server.server import RwsServer
-from support.waiting import until
+from support.waiting import LIMIT, until
 
 USER, PASSWORD = "Default User", "robotics"
 DIGITAL = ("doPathRequest", "doPathReady", "doPathFault", "doPathBusy", "doPathDone")
@@ -62,7 +62,7 @@ def controller(tmp_path: Path, arm: ControllerArm) -> Iterator[VirtualController
     thread.start()
     yield virtual
     virtual.stop()
-    thread.join(60)
+    thread.join(LIMIT)
 
 
 def outcome(calls: dict[str, Call]) -> tuple[set[str], dict[str, str]]:

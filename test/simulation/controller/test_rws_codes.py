@@ -16,6 +16,7 @@ from doormill_ros.simulation.controller.operation.states import OperatingMode
 from doormill_ros.simulation.controller.rws_server.cabinet import Cabinet
 from doormill_ros.simulation.controller.rws_server.running import served_cabinet
 from doormill_ros.simulation.controller.rws_server.server import RwsServer
+from support.waiting import LIMIT
 
 LOGIN = ("Default User", "robotics")
 FORM = "application/x-www-form-urlencoded"
@@ -35,13 +36,13 @@ def server2(tmp_path: Path):
 
 
 def client1(server: RwsServer) -> httpx.Client:
-    return httpx.Client(auth=httpx.DigestAuth(*LOGIN), base_url=server.url, timeout=60)
+    return httpx.Client(auth=httpx.DigestAuth(*LOGIN), base_url=server.url, timeout=LIMIT)
 
 
 def client2(server: RwsServer) -> httpx.Client:
     headers = {"Accept": "application/hal+json;v=2.0"}
     trust = ssl.create_default_context(cafile=str(server.certificate))
-    return httpx.Client(auth=LOGIN, base_url=server.url, headers=headers, verify=trust, timeout=60)
+    return httpx.Client(auth=LOGIN, base_url=server.url, headers=headers, verify=trust, timeout=LIMIT)
 
 
 def post1(client: httpx.Client, path: str, body: str = "") -> tuple[int, int]:

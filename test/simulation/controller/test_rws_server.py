@@ -32,7 +32,7 @@ from doormill_ros.simulation.controller.rws_server.cabinet import (
 from doormill_ros.simulation.controller.rws_server.server import RwsServer
 from doormill_ros.simulation.controller.rws_server.serving import serve
 from doormill_ros.simulation.errors import WebServicesError
-from support.waiting import until
+from support.waiting import LIMIT, until
 
 USER, PASSWORD = "Default User", "robotics"
 ACCEPT = {"Accept": "application/hal+json;v=2.0"}
@@ -185,14 +185,14 @@ class TestVersion1:
     """What the documentation of version 1.0 states."""
 
     def test_digest_challenge(self, server: RwsServer) -> None:
-        answer = requests.get(f"{server.url}/rw/panel/opmode", timeout=60)
+        answer = requests.get(f"{server.url}/rw/panel/opmode", timeout=LIMIT)
         assert answer.status_code == 401
         assert answer.headers["WWW-Authenticate"].startswith("Digest realm=")
         wrong = requests.get(
-            f"{server.url}/rw/panel/opmode", auth=requests.auth.HTTPDigestAuth(USER, "x"), timeout=60
+            f"{server.url}/rw/panel/opmode", auth=requests.auth.HTTPDigestAuth(USER, "x"), timeout=LIMIT
         )
         assert wrong.status_code == 401
-        basic = requests.get(f"{server.url}/rw/panel/opmode", auth=(USER, PASSWORD), timeout=60)
+        basic = requests.get(f"{server.url}/rw/panel/opmode", auth=(USER, PASSWORD), timeout=LIMIT)
         assert basic.status_code == 401
 
     def test_a_session_without_end_floods(self, server: RwsServer) -> None:
@@ -206,19 +206,19 @@ class TestVersion1:
         sessions = server.services.sessions
         client = requests.Session()
         client.auth = requests.auth.HTTPDigestAuth(USER, PASSWORD)
-        assert client.get(f"{server.url}/rw/panel/opmode", timeout=60).status_code == 200
+        assert client.get(f"{server.url}/rw/panel/opmode", timeout=LIMIT).status_code == 200
         idle_expiry, sessions.idle_expiry = sessions.idle_expiry, 0.02
         time.sleep(0.1)
-        bare = requests.get(f"{server.url}/rw/panel/opmode", cookies=client.cookies, timeout=60)
+        bare = requests.get(f"{server.url}/rw/panel/opmode", cookies=client.cookies, timeout=LIMIT)
         assert bare.status_code == 401
         sessions.idle_expiry = idle_expiry
         server.services.digest.forget()  # the client is told that its challenge is stale
-        assert client.get(f"{server.url}/rw/panel/opmode", timeout=60).status_code == 200
+        assert client.get(f"{server.url}/rw/panel/opmode", timeout=LIMIT).status_code == 200
         assert server.services.sessions.created == 2
 
     def test_the_dollar_is_literal(self, server: RwsServer, tmp_path: Path) -> None:
         (tmp_path / "a.txt").write_bytes(b"x")
-        with httpx.Client(auth=httpx.DigestAuth(USER, PASSWORD), timeout=60) as client:
+        with httpx.Client(auth=httpx.DigestAuth(USER, PASSWORD), timeout=LIMIT) as client:
             assert client.get(f"{server.url}/fileservice/$home/a.txt").content == b"x"
             assert client.get(f"{server.url}/fileservice/%24home/a.txt").status_code == 400
 
@@ -228,8 +228,8 @@ class TestVersion1:
     def test_nothing_outside_home(self, server: RwsServer, tmp_path: Path, path: str) -> None:
         (tmp_path.parent / "secret.txt").write_bytes(b"secret")
         host, port = "127.0.0.1", server.port
-        with socket.create_connection((host, port), timeout=60) as raw:
-            challenge = requests.get(server.url, timeout=60).headers["WWW-Authenticate"]
+        with socket.create_connection((host, port), timeout=LIMIT) as raw:
+            challenge = requests.get(server.url, timeout=LIMIT).headers["WWW-Authenticate"]
             auth = requests.auth.HTTPDigestAuth(USER, PASSWORD)
             auth.init_per_thread_state()
             auth._thread_local.chal = requests.utils.parse_dict_header(challenge.removeprefix("Digest "))
@@ -241,7 +241,9 @@ class TestVersion1:
         assert b"secret" not in answer.split(b"\r\n\r\n")[1].replace(b"secret.txt", b"")
 
     def test_status_codes_of_the_file_service(self, server: RwsServer) -> None:
-        with httpx.Client(auth=httpx.DigestAuth(USER, PASSWORD), base_url=server.url, timeout=60) as client:
+        with httpx.Client(
+            auth=httpx.DigestAuth(USER, PASSWORD), base_url=server.url, timeout=LIMIT
+        ) as client:
             assert client.put("/fileservice/$home/a.txt", content=b"1").status_code == 201
             assert client.put("/fileservice/$home/a.txt", content=b"2").status_code == 200
             assert client.delete("/fileservice/$home/a.txt").status_code == 204
@@ -252,7 +254,9 @@ class TestVersion1:
             assert client.patch("/fileservice/$home/a.txt", content=b"1").status_code == 405
 
     def test_answers_are_xhtml_unless_json_is_asked_for(self, server: RwsServer) -> None:
-        with httpx.Client(auth=httpx.DigestAuth(USER, PASSWORD), base_url=server.url, timeout=60) as client:
+        with httpx.Client(
+            auth=httpx.DigestAuth(USER, PASSWORD), base_url=server.url, timeout=LIMIT
+        ) as client:
             page = client.get(f"/rw/iosystem/signals/{signals.READY}").text
             assert '<span class="lvalue">0</span>' in page
             state = client.get(f"/rw/iosystem/signals/{signals.READY}?json=1").json()
@@ -298,7 +302,7 @@ class TestVersion1:
             with connect(address, subprotocols=[protocol], additional_headers=headers) as stream:
                 level = 1 - server.cabinet.value(signals.REQUEST)
                 server.cabinet.set_value(signals.REQUEST, level)
-                assert f'<span class="lvalue">{level}</span>' in stream.recv(timeout=120)
+                assert f'<span class="lvalue">{level}</span>' in stream.recv(timeout=LIMIT)
 
     def test_pings(self, tmp_path: Path) -> None:
         with RwsServer(Cabinet.create(tmp_path), 1, ping_interval=0.05) as server:
@@ -320,12 +324,14 @@ class TestVersion1:
                     receive(frame)
 
                 stream.protocol.recv_frame = note
-                assert pinged.wait(120)
+                assert pinged.wait(LIMIT)
 
     def test_too_many_requests(self, server: RwsServer) -> None:
         server.services.behaviour.requests_per_second = 2  # the first one takes two, for the challenge
         codes: list[int] = []
-        with httpx.Client(auth=httpx.DigestAuth(USER, PASSWORD), base_url=server.url, timeout=60) as client:
+        with httpx.Client(
+            auth=httpx.DigestAuth(USER, PASSWORD), base_url=server.url, timeout=LIMIT
+        ) as client:
             until(lambda: codes.append(client.get("/rw/panel/opmode").status_code) or 503 in codes)
         assert codes[0] == 200
         assert set(codes) == {200, 503}
@@ -338,7 +344,7 @@ class TestVersion2:
     def client(self, server2: RwsServer):
         context = ssl.create_default_context(cafile=str(server2.certificate))
         with httpx.Client(
-            verify=context, base_url=server2.url, auth=(USER, PASSWORD), headers=ACCEPT, timeout=60
+            verify=context, base_url=server2.url, auth=(USER, PASSWORD), headers=ACCEPT, timeout=LIMIT
         ) as client:
             yield client
 
@@ -429,7 +435,7 @@ def test_a_change_by_another_process_on_the_same_folder_is_an_event(tmp_path: Pa
             additional_headers={"Cookie": cookies},
         ) as stream:
             (tmp_path / "io" / signals.DONE).write_bytes(b"1")
-            assert "lvalue" in stream.recv(timeout=120)
+            assert "lvalue" in stream.recv(timeout=LIMIT)
 
 
 class TestServe:

@@ -36,6 +36,7 @@ from support.deaths.oracle import Oracle, Place, Placed, targets_of
 from support.deaths.strikes import NODES, STAGES, Round, Strike
 from support.deaths.supervisor import Supervisor
 from support.source_tree import ROOT
+from support.waiting import LIMIT
 
 DOORS = ("thesis_190_0deg", "thesis_1350_0deg")
 LIMITS = {
@@ -49,7 +50,6 @@ LIMITS = {
 }
 RESULT_LIMIT = 2.0 * sum(LIMITS.values())  # s; a run that has not ended by then has no end
 PLACEMENT = "/simulation/door_placement"
-UP_LIMIT = 300.0  # s in which the cell mills again by itself
 TIME_SCALE = 40.0
 LONG = 60.0  # s until a door is milled again, of which one wants to know why
 NAMED = 2.0  # s after which a refusal names the node that died
@@ -229,7 +229,7 @@ class Game:
 
     def until_milled(self) -> bool:
         """Goal after goal until a door is milled; False when none is by itself."""
-        deadline = time.monotonic() + UP_LIMIT
+        deadline = time.monotonic() + LIMIT
         while time.monotonic() < deadline:
             result = self._goal("a goal between two strikes")
             if result is not None and result.success:

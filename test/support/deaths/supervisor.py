@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from support.cell_processes import executable, is_renewed
+from support.waiting import LIMIT
 
 RESPAWN_DELAY = 0.5  # s
 LOOK = 0.05  # s
-STOP_LIMIT = 60.0  # s
 
 
 class Supervisor:
@@ -48,7 +48,7 @@ class Supervisor:
             process.send_signal(signal.SIGINT)
         for process in self._processes.values():
             try:
-                process.wait(STOP_LIMIT)
+                process.wait(LIMIT)
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.wait()

@@ -26,11 +26,10 @@ from support.faults.proxy import Relay
 from support.faults.rapid_robot import rapid_process
 from support.faults.scenario import Scenario
 from support.faults.world import World
+from support.waiting import LIMIT
 
 _FAULT_TIME = 4.0  # how long network and server misbehave after the first request
 _LOOK = 0.03
-_START_LIMIT = 120.0
-_RUN_LIMIT = 240.0
 _DOORS_AFTER = 2  # that a run has to mill once all is calm
 _context = multiprocessing.get_context("forkserver")
 _context.set_forkserver_preload(["__main__", "support.faults.prepared"])
@@ -146,7 +145,7 @@ def _play(
     pending = _harness_faults(scenario, chance)
     restarts = 0
     calm_since = None
-    while time.monotonic() - begin < _RUN_LIMIT:
+    while time.monotonic() - begin < LIMIT:
         time.sleep(_LOOK)
         elapsed = time.monotonic() - begin
         while pending and elapsed >= pending[0]:
@@ -177,7 +176,7 @@ def _play(
 
 def _await_request(world: World, bridge: Process, robot: Process) -> None:
     """Let both sides come up: what strikes earlier strikes nothing."""
-    limit = time.monotonic() + _START_LIMIT
+    limit = time.monotonic() + LIMIT
     while not world.entries("robot") and time.monotonic() < limit:
         time.sleep(0.02)
         bridge.revive()

@@ -21,10 +21,10 @@ import httpx
 from doormill_ros.abb.transports import rws_events
 from doormill_ros.abb.transports.rws_dialect import RWS1
 from doormill_ros.abb.transports.rws_events import RwsEvents
+from support.waiting import LIMIT
 
 _GUID = b"258EAFA5-E914-47DA-95CA-C5AB0DC85B11"  # RFC 6455, 1.3
 TEXT, BINARY, CLOSE, PING = 0x1, 0x2, 0x8, 0x9
-_ANSWER_LIMIT = 60.0  # s
 EVENT = "".join(
     f'<li class="ios-signalstate-ev"><a href="/rw/iosystem/signals/diRequest;state" rel="self"/>\n'
     f'<span class="lvalue">{level}</span></li>\n'
@@ -80,7 +80,7 @@ class FrameServer:
             except OSError:
                 return
             with connection:
-                connection.settimeout(_ANSWER_LIMIT)
+                connection.settimeout(LIMIT)
                 self._upgrade(connection)
                 number, self.connections = self.connections, self.connections + 1
                 try:
@@ -148,7 +148,7 @@ def heard(streams: Sequence[bytes]) -> tuple[list[bool], list[str]]:
     with _warnings() as told, FrameServer([*streams, frame(last)]) as server:
         events = RwsEvents(_Session(server.address), RWS1, "diRequest", threading.Event())  # type: ignore[arg-type]
         events.start()
-        deadline = time.monotonic() + _ANSWER_LIMIT
+        deadline = time.monotonic() + LIMIT
         while server.connections <= len(streams) or edges[-len(_LAST) :] != _LAST:
             if not events._thread.is_alive():
                 raise AssertionError(f"nobody listens any more: {told}")
