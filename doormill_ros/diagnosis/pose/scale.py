@@ -19,6 +19,10 @@ from doormill_ros.robot_model.pose.causes.cause import PoseCause
 from doormill_ros.robot_model.pose.causes.link_geometry import LENGTHS, PARALLEL, LinkGeometry
 from doormill_ros.robot_model.pose.causes.tracker_scale import PoseTrackerScale
 
+#: Largest share that lengths may have in common: aluminium (24e-6 for each K) 20 K warmer or colder than its drawing. A
+#: tracker that is told of the wrong air is off by a hundredth of that. More is no scale: lengths happen to agree.
+LARGEST = 5e-4
+
 
 def scaled_members(model: SeriesFit) -> tuple[PoseCause, ...] | None:
     """The members of a model with a scale in the place of lengths of links; None where it spares no length."""
@@ -92,10 +96,14 @@ def _spared(H: FloatArray, g: FloatArray, drawn: FloatArray) -> Sequence[int] | 
                 M = np.eye(len(g))[:, free]
                 M = np.column_stack([M, drawn]) if scaled else M
                 pull = M.T @ g
-                fall = float(pull @ np.linalg.lstsq(M.T @ H @ M, pull, rcond=1e-12)[0]) if M.size else 0.0
-                score = fall - WORTH * M.shape[1]
+                sizes = np.linalg.lstsq(M.T @ H @ M, pull, rcond=1e-12)[0] if M.size else np.empty(0)
+                if scaled and abs(sizes[-1]) > LARGEST:
+                    continue
+                score = float(pull @ sizes) - WORTH * M.shape[1]
                 if scaled not in best or score > best[scaled][0]:
                     best[scaled] = score, free
+    if True not in best:
+        return None
     # In the place of a single length it only fits that one, whatever the others are.
     simpler = len(best[True][1]) + 1 < len(best[False][1])
     return best[True][1] if simpler and best[True][0] > best[False][0] else None

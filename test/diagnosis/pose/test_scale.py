@@ -61,6 +61,8 @@ def test_one_share_is_told_as_one_number(diagnose, tmp_path, scale, more):
         [(2, "a", 1e-4)],
         [(2, "a", 1e-4), (4, "d", -1e-4)],
         [(1, "a", 8e-5), (2, "a", -1.1e-4), (3, "a", 9e-5), (4, "d", 1.2e-4), (5, "d", -7e-5)],
+        # A share in common that neither temperature nor a tracker gives: two lengths of a measured UR10 have it.
+        [(1, "a", 3.2e-4), (2, "a", -1.2e-3), (3, "a", 2e-4), (4, "d", 8.85e-4)],
     ],
 )
 def test_lengths_that_have_no_share_in_common_stay_lengths(diagnose, geometry):
