@@ -60,25 +60,25 @@ def pose_of(q: np.ndarray, dh: np.ndarray, twist: Sequence[tuple[int, float]] = 
     return T
 
 
-def potential(q: np.ndarray) -> float:
-    """Potential energy [J] with the nominal lengths."""
+def potential(q: np.ndarray, down: Sequence[float] = (0.0, 0.0, -1.0)) -> float:
+    """Potential energy [J] with the nominal lengths, gravity along a unit vector in base axes."""
     dh = np.array(DH)
     R, p, energy = np.eye(3), np.zeros(3), 0.0
     for k, (mass, com) in enumerate(LINKS):
         R = R @ Rotation.from_euler("z", q[k] + dh[k, 0]).as_matrix()
         p = p + R @ np.array([dh[k, 2], 0.0, dh[k, 1]])
         R = R @ Rotation.from_euler("x", dh[k, 3]).as_matrix()
-        energy += mass * 9.80665 * (p + R @ np.array(com))[2]
+        energy -= mass * 9.80665 * ((p + R @ np.array(com)) @ down)
     return energy
 
 
-def gravity_torque(q: np.ndarray, joint: int) -> float:
+def gravity_torque(q: np.ndarray, joint: int, down: Sequence[float] = (0.0, 0.0, -1.0)) -> float:
     """Generalised force of gravity on a joint, by difference of the energy [N m]."""
     h = 1e-5
-    up, down = q.copy(), q.copy()
-    up[joint - 1] += h
-    down[joint - 1] -= h
-    return -(potential(up) - potential(down)) / (2.0 * h)
+    above, below = q.copy(), q.copy()
+    above[joint - 1] += h
+    below[joint - 1] -= h
+    return -(potential(above, down) - potential(below, down)) / (2.0 * h)
 
 
 def write_sets(folder: Path, faults: Faults, rows: int, seed: int) -> list[Path]:

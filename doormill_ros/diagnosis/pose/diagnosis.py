@@ -19,13 +19,14 @@ from doormill_ros.diagnosis.pose.model import Errors, SeriesFit, rmse, standard_
 from doormill_ros.diagnosis.pose.noise import common_noise, evened
 from doormill_ros.diagnosis.pose.search import PoseSearch
 from doormill_ros.diagnosis.pose.selection import Score
-from doormill_ros.diagnosis.pose.standing import find_standing
+from doormill_ros.diagnosis.pose.standing import find_standing, stood
 from doormill_ros.diagnosis.pose.validation import by_block
 from doormill_ros.measurements.errors import PoseTableError, SetMixError
 from doormill_ros.measurements.pose_set import PoseSet
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
 from doormill_ros.robot_model.pose.law.term import PoseTerm
 from doormill_ros.robot_model.pose.model import PoseModel
+from doormill_ros.robot_model.pose.stance import UPRIGHT
 
 #: Deviations from the nominal model beyond which a row is a gross error where nothing else is known to be wrong.
 GROSS = 5.0
@@ -113,7 +114,10 @@ class PoseQuestion(Question[PoseCause, SeriesFit]):
         progress(f"{rows} poses in {len(self.sets)} series; placing them under the nominal model")
         nominal = fit_causes(self.sets, (), place_nominally(self.sets), passes=2)
         self.standing = find_standing(self.sets, nominal, progress)
-        self.sets = tuple(replace(data, stance=self.standing.stance) for data in self.sets)
+        if self.standing.stance is not UPRIGHT:
+            # The nominal model, too, has these torques: laws beside it hang on them.
+            self.sets = stood(self.sets, self.standing.stance)
+            nominal = fit_causes(self.sets, (), nominal.problem.placements, passes=2)
         search = PoseSearch(self.sets, nominal, progress)
         best = search.run()
         self.scores, self.gone = search.scores, search.gone

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import least_squares, nnls
@@ -33,6 +33,16 @@ class Standing:
     stance: Stance
     tilt: tuple[float, float] | None = None
     mass: tuple[float, float] | None = None
+
+    def simpler(self) -> list[Standing]:
+        """The same with gravity along the nearest axis of the base: floor, wall or ceiling; none if that is upright."""
+        axis = np.eye(3)[np.argmax(np.abs(self.stance.down))]
+        down = np.sign(axis @ self.stance.down) * axis
+        upright = bool(down @ _STRAIGHT > 0.0)
+        if self.tilt is None or (upright and self.stance.load is None):
+            return []
+        tilt = None if upright else (float(np.arccos(-down[2])), self.tilt[1])
+        return [replace(self, stance=replace(self.stance, down=down), tilt=tilt)]
 
 
 class Weights:

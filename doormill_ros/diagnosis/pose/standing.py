@@ -19,22 +19,26 @@ from doormill_ros.diagnosis.pose.likely_stance import Standing, Weights, likelie
 from doormill_ros.diagnosis.pose.selection import SHARE, SURE, WORTH
 from doormill_ros.diagnosis.pose.validation import Validation, held_out_fall
 from doormill_ros.measurements.pose_set import PoseSet
+from doormill_ros.robot_model.law.entries import terms
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
 from doormill_ros.robot_model.pose.causes.hints import Hints, places_of_joints
 from doormill_ros.robot_model.pose.causes.joint_periodic_error import dense_orders
 from doormill_ros.robot_model.pose.causes.joint_sag import JointSag
 from doormill_ros.robot_model.pose.causes.registry import candidates
+from doormill_ros.robot_model.pose.law.term import PoseTerm, Sight
 from doormill_ros.robot_model.pose.stance import UPRIGHT, Stance
 from doormill_ros.units import rad_to_deg
 
 #: Rows that are asked, of which every series keeps so many at least.
 ROWS, LEAST = 1500, 60
+#: Times that a stance is sought, since what follows the size of a torque hangs on the last one.
+ROUNDS = 3
 
 
 def find_standing(
     sets: Sequence[PoseSet], nominal: Fitted, progress: Callable[[str], None] = lambda line: None
 ) -> Standing:
-    """Upright without a load, unless rows left out speak for another stance.
+    """Upright without a load, unless rows left out speak for another stance; straight on a wall before aslant.
 
     Args:
         sets: The series; where none states masses nothing is asked.
@@ -45,16 +49,37 @@ def find_standing(
     if not any(data.view.links for data in sets):
         return upright
     some = _thinned(sets)
-    library = _library(some)
-    where = places_of_joints(some[0].joints)  # one that carries nothing may do so on a wall
-    others = [cause for cause in library if not isinstance(cause, JointSag)]
-    placements = nominal.problem.placements
-    free = fit_causes(some, [*(FreeWeight(one) for one in where), *others], placements, 2)
-    likely = likeliest(Weights(free, len(where)))
+    likely = _likely(some, nominal)
     if likely is None:
         return upright
-    progress(f"gravity may act along {likely.stance.document()}; asking rows left out")
-    return likely if _convinces(some, likely.stance, nominal) else upright
+    found, best = upright, _tried(some, UPRIGHT, nominal)
+    for one in (*likely.simpler(), likely):
+        progress(f"gravity may act along {one.stance.document()}; asking rows left out")
+        tried = _tried(some, one.stance, nominal)
+        fall, left = held_out_fall(best, tried)
+        if fall.sum() > max(WORTH, SHARE * left) and standard_errors(fall) > SURE:
+            found, best = one, tried
+    return found
+
+
+def _likely(sets: Sequence[PoseSet], nominal: Fitted) -> Standing | None:
+    """The likeliest stance by what each joint turns under weight in any direction; None for being upright."""
+    where = places_of_joints(sets[0].joints)  # one that carries nothing may do so on a wall
+    likely = None
+    for _ in range(ROUNDS):
+        others = [cause for cause in _library(sets) if not isinstance(cause, JointSag)]
+        causes = [*(FreeWeight(one) for one in where), *others]
+        free = fit_causes(sets, causes, nominal.problem.placements, 2)
+        likely = likeliest(Weights(free, len(where)))
+        if likely is None:
+            break
+        sets = stood(sets, likely.stance)
+    return likely
+
+
+def stood(sets: Sequence[PoseSet], stance: Stance) -> tuple[PoseSet, ...]:
+    """The series of a robot that stands so."""
+    return tuple(replace(data, stance=stance) for data in sets)
 
 
 def _thinned(sets: Sequence[PoseSet]) -> list[PoseSet]:
@@ -71,29 +96,30 @@ def _thinned(sets: Sequence[PoseSet]) -> list[PoseSet]:
 
 
 def _library(sets: Sequence[PoseSet]) -> list[PoseCause]:
-    views = [data.view for data in sets]
-    orders = dict.fromkeys(places_of_joints(sets[0].joints), dense_orders(views)[0])
-    return candidates(Hints(views, orders, drift=False))
+    """Everything that may act, and beside it turns by the size of a torque.
 
-
-def _convinces(sets: Sequence[PoseSet], stance: Stance, nominal: Fitted) -> bool:
-    """Whether everything that may act predicts rows left out better by far with a stance than upright.
-
-    A joint gives way to a torque, never against it: what sags upwards does not count.
+    A joint that gives way one way only is no robot that leans: without such turns gravity would be sought where it
+    follows what a proportion leaves. Being the same for both signs of a torque, they never stand for its direction.
     """
-    tried = []
-    for one in (UPRIGHT, stance):
-        stood = [replace(data, stance=one) for data in sets]
-        fitted = fit_causes(stood, _library(stood), nominal.problem.placements, 2)
-        layout = fitted.problem.layout
-        upwards = [
-            layout.part(i).start
-            for i, cause in enumerate(layout.causes)
-            if isinstance(cause, JointSag) and fitted.solution.x[layout.part(i).start] < 0.0
-        ]
-        tried.append(Validation(fitted).less(np.array(upwards, dtype=int)))
-    fall, left = held_out_fall(*tried)
-    return bool(fall.sum() > max(WORTH, SHARE * left) and standard_errors(fall) > SURE)
+    views = tuple(data.view for data in sets)
+    orders = dict.fromkeys(places_of_joints(sets[0].joints), dense_orders(views)[0])
+    library = candidates(Hints(views, orders, drift=False))
+    sagging = [cause.where for cause in library if isinstance(cause, JointSag)]
+    sizes = [("joint angle", sagging, (("own torque", (("size", 1.0),), False),))]
+    return [*library, *terms(PoseTerm, Sight(views), sizes, ())]
+
+
+def _tried(sets: Sequence[PoseSet], stance: Stance, nominal: Fitted) -> Validation:
+    """What a stance predicts. A joint gives way to a torque, never against it: what sags upwards does not count."""
+    some = stood(sets, stance)
+    fitted = fit_causes(some, _library(some), nominal.problem.placements, 2)
+    layout = fitted.problem.layout
+    upwards = [
+        layout.part(i).start
+        for i, cause in enumerate(layout.causes)
+        if isinstance(cause, JointSag) and fitted.solution.x[layout.part(i).start] < 0.0
+    ]
+    return Validation(fitted).less(np.array(upwards, dtype=int))
 
 
 def standing_document(standing: Standing) -> dict[str, Any]:

@@ -15,7 +15,10 @@ from doormill_ros.measurements.motion_set import read_motion_set
 from doormill_ros.measurements.pose_set import read_pose_set
 from support.motion_laws.world import draw as draw_motion
 from support.motion_world import Recording, hide, record
+from support.pose_laws.laws import Law
+from support.pose_laws.world import World
 from support.pose_laws.world import draw as draw_poses
+from support.pose_sets import gravity_torque
 
 
 def refused(diagnosis):
@@ -78,3 +81,26 @@ def test_a_drift_that_stood_for_sag_by_time_loses_its_name_and_the_link_keeps_it
     assert [cause.key for cause in after.examination.named] == [("link_geometry", "link 2")]
     assert NEEDLESS in refused(after).values()
     assert after.laws.holdout_rmse < 1.1 * after.noise_floor
+
+
+@pytest.mark.parametrize(
+    ("seed", "times", "down"),
+    [(125, 8.3, (0.0, 0.0, 1.0)), (3, 18.0, (0.45, -0.29, -np.sqrt(1.0 - 0.45**2 - 0.29**2)))],
+    ids=["ceiling", "leaning"],
+)
+def test_what_gives_way_one_way_turns_no_gravity_and_lends_no_other_joint_a_name(tmp_path, seed, times, down):
+    def one_way(session):
+        return np.maximum([gravity_torque(q, 3, down) for q in session.q], 0.0)
+
+    world = World(seed, Law("one-sided sag", 3, "torque sign", one_way), times, np.zeros(6))
+    before = diagnose_poses([read_pose_set(world.write(tmp_path / "set"))])
+    after = pose_laws.with_laws(before)
+    assert {cause.key for cause in after.examination.named} <= {("joint_sag", "joint 3")}
+    standing = before.question.standing
+    # As near as noise leaves it: what follows from a torque that is off looks like errors of other joints.
+    assert (
+        np.arccos(np.clip(standing.stance.down @ down, -1.0, 1.0)) < 4.0 * standing.tilt[1] < np.radians(5.0)
+    )
+    assert [(law.where, law.driver) for law in after.laws.laws] == [("joint 3", "torque sign")]
+    assert after.laws.holdout_rmse < 1.05 * after.noise_floor
+    np.testing.assert_array_equal(pose_laws.model_with_laws(after).stance.down, standing.stance.down)
