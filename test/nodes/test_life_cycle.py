@@ -95,5 +95,6 @@ def test_processes_interrupted_until_their_end_end_cleanly(cell: CellProcesses) 
         for process in running.values():
             process.send_signal(signal.SIGINT)
         time.sleep(0.002)
-    assert {name: cell.stop(name) for name in list(cell.processes)} == dict.fromkeys(ALL, 0)
+    ended = {name: cell.stop(name) for name in list(cell.processes)}
+    assert ended == dict.fromkeys(ALL, 0), "\n".join(cell.log(name)[-1500:] for name in ALL if ended[name])
     assert not [name for name in ALL if "Traceback" in cell.log(name)]
