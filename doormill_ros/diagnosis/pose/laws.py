@@ -23,6 +23,7 @@ from doormill_ros.diagnosis.pose.fit import BLOCKS
 from doormill_ros.diagnosis.pose.noise import common_noise, evening
 from doormill_ros.diagnosis.pose.problem import PoseProblem
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
+from doormill_ros.robot_model.pose.causes.joint_periodic_error import JointPeriodicError
 from doormill_ros.robot_model.pose.causes.joint_sag import JointSag
 from doormill_ros.robot_model.pose.chain import Placement, derivatives
 from doormill_ros.robot_model.pose.law.dictionary import dictionary
@@ -32,8 +33,13 @@ from doormill_ros.robot_model.pose.model import PoseModel
 #: Why a cause is not named that a law does without.
 NEEDLESS = "beside a law without a name nothing calls for it"
 GONE = "beside a law without a name no such size is left of it"
+SHARED = (
+    "a law elsewhere follows the angle of this joint, and with one here as well nothing calls for the name"
+)
 #: Standard deviations from which on a number is told, and a cause of which none is has no size.
 CLEAR = 2.0
+#: Of the residual, up to which one explanation predicts as well as another.
+SAME = 1.01
 #: Poses that are searched, at most.
 POSES = 700
 
@@ -61,10 +67,19 @@ def with_laws(diagnosis: PoseDiagnosis, progress: Callable[[str], None] = lambda
         diagnosis = _less(diagnosis, needless, NEEDLESS)
         found = _searched(diagnosis, progress)
     diagnosis = replace(diagnosis, laws=found)
-    if found is None or not (gone := _gone(diagnosis)):
+    if found is None:
         return diagnosis
-    progress(f"beside a law nothing is left of {', '.join(map(repr, gone))}")
-    return with_laws(_less(diagnosis, gone, GONE), progress)
+    if gone := _gone(diagnosis):
+        progress(f"beside a law nothing is left of {', '.join(map(repr, gone))}")
+        return with_laws(_less(diagnosis, gone, GONE), progress)
+    if not (shared := _shared(diagnosis, found)):
+        return diagnosis
+    progress(
+        f"a law follows the angle of the joint of {', '.join(map(repr, shared))}; asking laws without it"
+    )
+    alone = with_laws(_less(diagnosis, shared, SHARED), progress)
+    as_good = alone.laws is not None and alone.laws.holdout_rmse <= SAME * found.holdout_rmse
+    return alone if as_good else diagnosis
 
 
 def _less(diagnosis: PoseDiagnosis, causes: Sequence[PoseCause], why: str) -> PoseDiagnosis:
@@ -90,6 +105,21 @@ def _gone(diagnosis: PoseDiagnosis) -> list[PoseCause]:
         for cause, x, own in parts
         if not np.any(np.abs(x) > CLEAR * own)
         or (isinstance(cause, JointSag) and not cause.frames and x[0] < 0.0)
+    ]
+
+
+def _shared(diagnosis: PoseDiagnosis, found: Characterised[PoseTerm]) -> list[PoseCause]:
+    """Named periodic errors of joints whose angle also drives a law elsewhere, where more than noise remains.
+
+    Turns of two parallel joints by one angle are a displacement nearly: together they may stand for a third thing.
+    """
+    if found.holdout_rmse <= AT_NOISE * diagnosis.noise_floor:
+        return []
+    driving = {law.driver for law in found.laws}
+    return [
+        cause
+        for cause in diagnosis.examination.named
+        if isinstance(cause, JointPeriodicError) and f"angle of {cause.where}" in driving
     ]
 
 

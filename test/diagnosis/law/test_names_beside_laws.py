@@ -10,7 +10,7 @@ from doormill_ros.diagnosis.motion.needless import NEEDLESS as NO_BETTER
 from doormill_ros.diagnosis.motion.needless import OTHER_LAW
 from doormill_ros.diagnosis.pose import laws as pose_laws
 from doormill_ros.diagnosis.pose.diagnosis import diagnose_poses
-from doormill_ros.diagnosis.pose.laws import NEEDLESS
+from doormill_ros.diagnosis.pose.laws import NEEDLESS, SHARED
 from doormill_ros.measurements.motion_set import read_motion_set
 from doormill_ros.measurements.pose_set import read_pose_set
 from support.motion_laws.world import draw as draw_motion
@@ -104,3 +104,16 @@ def test_what_gives_way_one_way_turns_no_gravity_and_lends_no_other_joint_a_name
     assert [(law.where, law.driver) for law in after.laws.laws] == [("joint 3", "torque sign")]
     assert after.laws.holdout_rmse < 1.05 * after.noise_floor
     np.testing.assert_array_equal(pose_laws.model_with_laws(after).stance.down, standing.stance.down)
+
+
+def test_a_periodic_error_is_not_named_where_laws_elsewhere_follow_the_same_angle(tmp_path):
+    """Joint 2 turns one way and joint 3, parallel to it, the other: that is the length of a link, as is hidden."""
+    world = draw_poses(173)
+    assert world.truth["may_be_named"] == [("link_geometry", "link 2")]
+    before = diagnose_poses([read_pose_set(world.write(tmp_path / "set", rows=120))])
+    after = pose_laws.with_laws(before)
+    told = [cause.key for cause in before.examination.named]
+    assert ("joint_periodic_error", "joint 2") in told
+    assert {cause.key for cause in after.examination.named} <= {("link_geometry", "link 2")}
+    assert refused(after)["joint_periodic_error", "joint 2"] == SHARED
+    assert ("joint 4", "angle of joint 2") in {(law.where, law.driver) for law in after.laws.laws}
