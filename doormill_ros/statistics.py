@@ -78,10 +78,15 @@ def bootstrap_ratio(
         draws: How often n groups are drawn with replacement.
 
     Returns:
-        The ratio of all groups, and the lower and the upper end of its interval.
+        The ratio of all groups, and the lower and the upper end of its interval; 1 where all squares before are zero.
     """
     drawn = resampled(len(before), draws)
-    ratios = np.sqrt(after[drawn].sum(axis=1) / before[drawn].sum(axis=1))
+    squares = before[drawn].sum(axis=1)
+    # Single runs of a door each may agree with their model to the last digit: nothing of nothing is no ratio.
+    telling = squares > 0.0
+    if not telling.any():
+        return 1.0, (1.0, 1.0)
+    ratios = np.sqrt(after[drawn[telling]].sum(axis=1) / squares[telling])
     low, high = np.quantile(ratios, [0.025, 0.975])
     return float(np.sqrt(after.sum() / before.sum())), (float(low), float(high))
 

@@ -62,3 +62,10 @@ def test_the_interval_covers_the_ratio_as_often_as_it_says() -> None:
         assert low <= ratio <= high
         hits += low <= 0.5 <= high
     assert 176 <= hits <= 200  # 95 % of 200, four standard deviations down
+
+
+def test_groups_without_any_squares_tell_no_ratio() -> None:
+    """Two runs of two doors agree with what is fitted to each, or nearly so: rounding decides what is zero."""
+    ratio, (low, high) = bootstrap_ratio(np.array([0.0, 4.0]), np.array([0.0, 1.0]), draws=400)
+    assert (ratio, low, high) == (0.5, 0.5, 0.5)
+    assert bootstrap_ratio(np.zeros(2), np.zeros(2)) == (1.0, (1.0, 1.0))
