@@ -17,8 +17,9 @@ from doormill_ros.errors import DoormillError
 from doormill_ros.operator.history import FILE
 from support.afternoon.cell import DOORS, AfternoonCell, running
 from support.afternoon.faults import Fault
-from support.deaths.campaign import RESULT_LIMIT, UP_LIMIT
+from support.deaths.campaign import RESULT_LIMIT
 from support.deaths.leftovers import Leftovers
+from support.waiting import LIMIT
 
 SETTLING = 30.0  # s, for what is told of the last run
 KEPT_BAGS = 3  # the newest ones; hundreds would fill the disk
@@ -101,7 +102,7 @@ class _Afternoon:
 
     def until_milled(self) -> bool:
         """Goals until each door was milled again, by nobody's hand."""
-        wanted, deadline = set(DOORS), time.monotonic() + UP_LIMIT
+        wanted, deadline = set(DOORS), time.monotonic() + LIMIT
         while wanted and time.monotonic() < deadline:
             result = self.goal("a goal without a fault")
             if result is not None and result.success:

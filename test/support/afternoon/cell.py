@@ -26,6 +26,7 @@ from support.deaths.strikes import STAGES
 from support.deaths.supervisor import Supervisor
 from support.faults.proxy import Relay
 from support.faults.scenario import Scenario
+from support.waiting import LIMIT
 
 DOORS = ("thesis_190_0deg", "thesis_1350_0deg", "thesis_1350_2deg")
 NODES = (
@@ -38,7 +39,7 @@ NODES = (
     "cell_simulator",
 )
 CLOCK_PERIOD = 0.1  # s
-SET_LIMIT, ASK_AGAIN = 120.0, 5.0  # s
+ASK_AGAIN = 5.0  # s
 FULL = 300_000  # bytes that a file may have on the full disk
 CREDENTIALS = {"DOORMILL_CONTROLLER_USER": "Default User", "DOORMILL_CONTROLLER_PASSWORD": "robotics"}
 
@@ -88,7 +89,7 @@ class AfternoonClient(Client):
 
     def _set(self, client: Any, name: str, value: bool) -> None:
         """Asks again until it is answered: left as it is, a fault would not end."""
-        deadline = time.monotonic() + SET_LIMIT
+        deadline = time.monotonic() + LIMIT
         while time.monotonic() < deadline:
             if client.service_is_ready():
                 parameter = Parameter(name, value=value).to_parameter_msg()
