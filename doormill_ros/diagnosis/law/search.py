@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import Generic
 
@@ -154,7 +155,7 @@ class LawSearch(BeamSearch[C], Generic[C]):
 
     def finished(self, best: Fit[C]) -> Fit[C]:
         """With the numbers of its shapes at their best."""
-        return self.prune(self.refined(super().finished(best)), strictly=True)
+        return _ended(self.prune(self.refined(super().finished(best)), strictly=True))
 
     def refined(self, best: Fit[C]) -> Fit[C]:
         """The model with rough numbers of its shapes moved as long as that predicts better."""
@@ -168,3 +169,21 @@ class LawSearch(BeamSearch[C], Generic[C]):
             if self.total(best) > self.total(before) - QUANTUM:
                 return before
         return best
+
+
+def _ended(best: Fit[C]) -> Fit[C]:
+    """The model with terms ended that make up one curve over a driver: none of them goes on by itself.
+
+    Beyond what was seen they would no longer cancel. A level has no end, and what repeats itself was seen whole.
+    """
+    bends = [term for term in best.members if isinstance(term, Term) and term.shape != "level"]
+    together = Counter((term.where, term.acts_on, term.driver) for term in bends)
+    members = tuple(
+        term.ended()
+        if isinstance(term, Term)
+        and together[term.where, term.acts_on, term.driver] > 1
+        and not term.repeats
+        else term
+        for term in best.members
+    )
+    return replace(best, members=members)

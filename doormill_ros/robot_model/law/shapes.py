@@ -22,6 +22,8 @@ _REFINED = (
 )  # fmt: skip
 #: By which it is, and by which parts of its width a sector is moved.
 _FACTORS, _MOVES = (0.6, 0.85, 0.95, 1.05, 1.18, 1.7), (-0.4, -0.1, 0.1, 0.4)
+#: Straight lines are believed half as far again as they were seen.
+_STRAIGHT = 0.5
 
 
 @dataclass(frozen=True)
@@ -31,12 +33,15 @@ class Shape:
     Attributes:
         columns: Of values (n,) and the shape's own numbers: shape (n, m).
         told: The law in words, of what drives it, its unit, own numbers, and weights as texts.
-        bounded: Whether values beyond those that were seen are taken for the nearest that was.
+        reach: By how much of the width of the values that were seen it goes on beyond them; farther out the last
+            value stands.
+        period: After which it repeats itself, of its own numbers.
     """
 
     columns: Callable[[FloatArray, Numbers], Sequence[FloatArray]]
     told: Callable[[str, str, Numbers, Sequence[str]], str]
-    bounded: bool = True
+    reach: float = 0.0
+    period: Callable[[Numbers], float] = lambda p: np.inf
 
 
 def _curve(x: FloatArray, knots: Numbers) -> list[FloatArray]:
@@ -55,15 +60,19 @@ def _at(knots: Numbers, unit: str, w: Sequence[str]) -> str:
 SHAPES: dict[str, Shape] = {
     "level": Shape(lambda x, p: [np.ones_like(x)], lambda d, u, p, w: f"{w[0]} throughout"),
     "slope": Shape(
-        lambda x, p: [x], lambda d, u, p, w: f"{w[0]} for each {u} of {d}" if u else f"{w[0]} times {d}"
+        lambda x, p: [x],
+        lambda d, u, p, w: f"{w[0]} for each {u} of {d}" if u else f"{w[0]} times {d}",
+        reach=_STRAIGHT,
     ),
     "rise": Shape(
         lambda x, p: [x - p[0]],
         lambda d, u, p, w: f"{w[0]} for each {u} of {d} above {p[0]:.4g} {u}",
+        reach=_STRAIGHT,
     ),
     "line": Shape(
         lambda x, p: [np.ones_like(x), x - p[0]],
         lambda d, u, p, w: f"{w[0]} at {p[0]:.4g} {u} of {d} and {w[1]} for each {u} more",
+        reach=_STRAIGHT,
     ),
     "square": Shape(
         lambda x, p: [(x / p[0]) ** 2], lambda d, u, p, w: f"{w[0]} at {p[0]:.4g} {u} of {d}, as its square"
@@ -71,6 +80,7 @@ SHAPES: dict[str, Shape] = {
     "size": Shape(
         lambda x, p: [np.abs(x) / p[0]],
         lambda d, u, p, w: f"{w[0]} at {p[0]:.4g} {u} of {d}, in proportion to its size",
+        reach=_STRAIGHT,
     ),
     "root": Shape(
         lambda x, p: [np.sqrt(np.abs(x) / p[0])],
@@ -91,7 +101,7 @@ SHAPES: dict[str, Shape] = {
     "opening": Shape(
         lambda x, p: [np.maximum(x - p[0], 0.0) / p[1]],
         lambda d, u, p, w: f"{w[0]} for each {p[1]:.4g} {u} of {d} beyond {p[0]:.4g} {u}",
-        bounded=False,
+        reach=np.inf,
     ),
     "limited": Shape(
         lambda x, p: [np.minimum(np.abs(x) / p[0], 1.0)],
@@ -115,7 +125,8 @@ SHAPES: dict[str, Shape] = {
     "waves": Shape(
         lambda x, p: [np.sin(p[0] * x), np.cos(p[0] * x)],
         lambda d, u, p, w: f"{p[0]:.4g} waves a turn of {d}: sine {w[0]}, cosine {w[1]}",
-        bounded=False,
+        reach=_STRAIGHT,
+        period=lambda p: 2.0 * np.pi / p[0],
     ),
     "periods": Shape(
         lambda x, p: [np.sin(2.0 * np.pi * x / p[0]), np.cos(2.0 * np.pi * x / p[0])],

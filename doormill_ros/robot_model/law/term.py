@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -21,11 +21,13 @@ class SeenRange:
     Attributes:
         low, high: Least and largest value.
         usual: Mean of the shape's columns, which stands where nobody knows the driver, shape (m,).
+        ends: Whether the law is not believed beyond.
     """
 
     low: float
     high: float
     usual: tuple[float, ...]
+    ends: bool = False
 
 
 def seen_in(values: FloatArray, shape: str, numbers: tuple[float, ...]) -> SeenRange | None:
@@ -70,11 +72,27 @@ class Term(Candidate[Case]):
         self.of_robot = self.carrier.of_robot
         self.name = f"{acts_on} by {driver}: {shape}"
         self.variant = ", ".join(f"{value:.4g}" for value in numbers)
-        self._bounded = SHAPES[shape].bounded
+        reach = 0.0 if seen.ends else self._reach()
+        self._known = seen.low - reach, seen.high + reach
         self._wide = len(seen.usual)
         count = self._wide * self.carrier.components
         self.scale, self.lower, self.upper = np.ones(count), np.full(count, -1e6), np.full(count, 1e6)
         self.parameters = (CauseParameter("weights", self.carrier.unit, -np.inf, np.inf, count),)
+
+    def _reach(self) -> float:
+        """How far the law goes on beyond what was seen where it stands alone."""
+        width, shape = self.seen.high - self.seen.low, SHAPES[self.shape]
+        return np.inf if width >= 0.5 * shape.period(self.numbers) else shape.reach * width
+
+    @property
+    def repeats(self) -> bool:
+        """Whether a whole period of it was seen."""
+        return self.seen.high - self.seen.low >= SHAPES[self.shape].period(self.numbers)
+
+    def ended(self) -> Self:
+        """The same, not believed beyond what was seen."""
+        seen = replace(self.seen, ends=True)
+        return type(self)(self.where, self.acts_on, self.driver, self.shape, self.numbers, seen)
 
     @classmethod
     def values_of(cls, case: Case, where: str, driver: str) -> FloatArray:
@@ -85,8 +103,7 @@ class Term(Candidate[Case]):
         """Columns of the shape in each row, shape (n, m)."""
         values = self.values_of(case, self.where, self.driver)
         unknown = ~np.isfinite(values)
-        if self._bounded:
-            values = np.clip(values, self.seen.low, self.seen.high)
+        values = np.clip(values, *self._known)
         middle = 0.5 * (self.seen.low + self.seen.high)
         result = columns(self.shape, np.where(unknown, middle, values), self.numbers)
         result[unknown] = self.seen.usual
@@ -132,7 +149,7 @@ class Term(Candidate[Case]):
             "driver": self.driver,
             "shape": self.shape,
             "numbers": [float(value) for value in self.numbers],
-            "seen": {"low": self.seen.low, "high": self.seen.high, "usual": list(self.seen.usual)},
+            "seen": {**vars(self.seen), "usual": list(self.seen.usual)},
             "weights": {"value": [float(value) for value in weights], "unit": self.carrier.unit},
             "known_on_path": self.drives.of_path,
             "law": self.told(weights),
@@ -153,7 +170,7 @@ class Term(Candidate[Case]):
             str(document["driver"]),
             str(document["shape"]),
             tuple(float(value) for value in document["numbers"]),
-            SeenRange(float(seen["low"]), float(seen["high"]), usual),
+            SeenRange(float(seen["low"]), float(seen["high"]), usual, bool(seen.get("ends", False))),
         )
         weights = np.asarray(document["weights"]["value"], dtype=float)
         if weights.shape != (term.size,) or not np.all(np.isfinite(weights)):

@@ -58,8 +58,29 @@ def test_a_spring_may_hang_on_the_angle_of_another_joint():
 
 
 def test_beyond_what_was_seen_the_nearest_value_stands():
-    law = with_law(spring("angle of joint 5", "slope", (), (0.0,), high=0.5), [0.25])
-    np.testing.assert_allclose(law.deflection(Q, WRENCH, POINT), softened(1, 0.25 * 0.5), rtol=1e-9)
+    law = with_law(spring("angle of joint 5", "square", (1.0,), (0.0,), high=0.5), [0.25])
+    np.testing.assert_allclose(law.deflection(Q, WRENCH, POINT), softened(1, 0.25 * 0.5**2), rtol=1e-9)
+
+
+@pytest.mark.parametrize(("low", "ends"), [(0.1, 0.7), (-0.5, Q[4])])
+def test_a_straight_line_goes_on_by_half_of_what_was_seen(low, ends):
+    law = with_law(spring("angle of joint 5", "slope", (), (0.0,), low=low, high=0.5), [0.25])
+    np.testing.assert_allclose(law.deflection(Q, WRENCH, POINT), softened(1, 0.25 * ends), rtol=1e-9)
+
+
+@pytest.mark.parametrize(("low", "ends"), [(-0.6, Q[1]), (-0.1, 0.2)])
+def test_waves_go_on_where_half_of_one_was_seen(low, ends):
+    law = with_law(spring("own angle", "waves", (5.0,), (0.0, 0.0), low=low, high=0.1), [0.3, -0.1])
+    share = 0.3 * np.sin(5.0 * ends) - 0.1 * np.cos(5.0 * ends)
+    np.testing.assert_allclose(law.deflection(Q, WRENCH, POINT), softened(1, share), rtol=1e-9)
+
+
+def test_a_law_that_is_a_part_of_a_curve_ends_where_it_was_seen_through_its_file_too():
+    term = spring("own angle", "slope", (), (0.0,), low=-0.6, high=0.1).ended()
+    again, weights = LawTerm.read(yaml.safe_load(yaml.safe_dump(term.document(np.array([0.3])))))
+    np.testing.assert_allclose(
+        with_law(again, weights).deflection(Q, WRENCH, POINT), softened(1, 0.3 * 0.1), rtol=1e-9
+    )
 
 
 def test_a_driver_that_no_path_knows_acts_with_its_mean_and_is_told():

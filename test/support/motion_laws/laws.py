@@ -66,13 +66,20 @@ def _two(rng: np.random.Generator) -> tuple[int, int]:
 
 
 def _solve(twist: Callable[[float, Now], float]) -> Spring:
-    """A spring from the angle [rad] that a torque winds it by, near a line: two steps of a secant."""
+    """A spring from the angle [rad] that a torque winds it by, which grows with the torque: steps of a secant."""
 
     def spring(wound: float, now: Now) -> float:
         force, slope = 0.0, 4.0e6
-        for _ in range(3):
-            force += slope * (wound - twist(force, now))
-        return force
+        left = wound - twist(force, now)
+        for _ in range(40):
+            if abs(left) < 1e-10:
+                return force
+            step = slope * left
+            force += step
+            before, left = left, wound - twist(force, now)
+            # Flatter than that no spring here is; where two steps lie on both sides of a bend the secant may be.
+            slope = min(max(step / (before - left), 2e5), 2e7) if before != left else slope
+        raise ArithmeticError(f"no torque found that winds a spring by {wound} rad")
 
     return spring
 
