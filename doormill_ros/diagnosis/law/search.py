@@ -180,9 +180,7 @@ def _ended(best: Fit[C]) -> Fit[C]:
     together = Counter((term.where, term.acts_on, term.driver) for term in bends)
     members = tuple(
         term.ended()
-        if isinstance(term, Term)
-        and together[term.where, term.acts_on, term.driver] > 1
-        and not term.repeats
+        if isinstance(term, Term) and together[term.where, term.acts_on, term.driver] > 1 and not term.repeats
         else term
         for term in best.members
     )

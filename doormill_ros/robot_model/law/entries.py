@@ -22,6 +22,9 @@ Drives = Sequence[tuple[str, Shapes, bool]]
 #: What it acts on, its places, what may drive it.
 Entry = tuple[str, Sequence[str], Drives]
 
+#: Places of what is worn or tight, over the range that an angle had.
+SECTORS: Shapes = tuple(("sector", float(part)) for part in np.round(np.arange(0.1, 0.95, 0.1), 1))
+
 T = TypeVar("T", bound=Term)  # type: ignore[type-arg]
 
 

@@ -13,7 +13,7 @@ from doormill_ros.robot_model.elastic.law.edges import ROUGH
 from doormill_ros.robot_model.elastic.law.memory import tried
 from doormill_ros.robot_model.elastic.law.term import LawTerm
 from doormill_ros.robot_model.elastic.load_case import LoadCase
-from doormill_ros.robot_model.law.entries import Entry, terms
+from doormill_ros.robot_model.law.entries import SECTORS, Entry, terms
 
 JOINTS = tuple(f"joint {k}" for k in range(1, 7))
 LINKS = tuple(f"link {k}" for k in range(1, 7))
@@ -49,9 +49,7 @@ _OTHER_ANGLE = (
     *(("waves", float(n)) for n in range(1, OTHER_WAVES + 1)),
     ("positive", 0.0),
 )
-#: Teeth wear where they work most.
-_SECTORS = tuple(("sector", float(part)) for part in np.round(np.arange(0.1, 0.95, 0.1), 1))
-_OWN_ANGLE = (*_OTHER_ANGLE, *(("waves", float(n)) for n in range(OTHER_WAVES + 1, WAVES + 1)), *_SECTORS)
+_OWN_ANGLE = (*_OTHER_ANGLE, *(("waves", float(n)) for n in range(OTHER_WAVES + 1, WAVES + 1)), *SECTORS)
 _OTHER_TORQUE = (("slope", 0.0), ("size", 1.0), ("square", 1.0), ("positive", 0.0))
 _AGAINST = (("sign", 0.0), ("positive", 0.0), ("negative", 0.0))
 _LIMITED = (

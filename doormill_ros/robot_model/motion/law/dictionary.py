@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from doormill_ros.robot_model.law.entries import Drives, Entry, Shapes, terms
+from doormill_ros.robot_model.law.entries import SECTORS, Drives, Entry, Shapes, terms
 from doormill_ros.robot_model.motion.law.carriers import BRISTLES, SETTLES
 from doormill_ros.robot_model.motion.law.term import MotionTerm, Rides
 
@@ -27,7 +27,7 @@ _SIZE: Shapes = (
 _ODD: Shapes = (("slope", 0.0), *_SIZE)
 _ANGLE: Shapes = (("slope", 0.0), ("square", 1.0), *(("waves", float(n)) for n in range(1, 5)))
 _SIDES: Shapes = (("positive", 0.0),)
-_OWN: Shapes = (*_ANGLE, *(("waves", float(n)) for n in range(5, WAVES + 1)))
+_OWN: Shapes = (*_ANGLE, *(("waves", float(n)) for n in range(5, WAVES + 1)), *SECTORS)
 
 _ANGLE_DRIVES: Drives = (
     ("time", _TIME, True),
@@ -63,7 +63,7 @@ _DELAY_DRIVES: Drives = (
 _FRICTION_DRIVES: Drives = (
     ("direction", _LEVEL, False),
     ("time", _TIME, True),
-    ("own angle", _ANGLE, True),
+    ("own angle", (*_ANGLE, *SECTORS), True),
     ("own torque", _SIZE, True),
     ("speed", _SIZE, True),
     ("angle of joint k", _ANGLE, False),
