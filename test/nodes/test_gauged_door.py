@@ -22,11 +22,14 @@ class Gauge:
     def __init__(self, cell: CellProcesses) -> None:
         self.off = 0.0
         self.told: list[str] = []
+        self._hears = False
         self._cell = cell
         topic = topics.DOOR_INSPECTION
         self._publisher = cell.node.create_publisher(topic.type, topic.name, topic.offered)
         status = topics.ABB_STATUS
         self._status = cell.node.create_subscription(status.type, status.name, self._look, status.requested)
+        # The bridge's last status is handed to whoever comes later.
+        cell.wait(lambda: self._hears and self._publisher.get_subscription_count())
 
     def leave(self) -> None:
         self._cell.node.destroy_subscription(self._status)
@@ -34,6 +37,7 @@ class Gauge:
         self._cell.wait(lambda: not self._cell.node.count_publishers(topics.DOOR_INSPECTION.name))
 
     def _look(self, status: AbbStatus) -> None:
+        self._hears = True
         if status.state == HandshakeState.DONE.value and status.run_id not in self.told:
             self.told.append(status.run_id)
             found = DoorInspection(

@@ -19,6 +19,8 @@ DOOR = "thesis_190_0deg"
 def cell(tmp_path_factory: pytest.TempPathFactory) -> Iterator[CellProcesses]:
     parameters = {"abb_bridge": {"limit.sign_of_life": LEASE}}
     with CellProcesses(tmp_path_factory.mktemp("cell"), parameters) as running:
+        # Whom the bridge never heard of it cannot miss, and it may hear of a node later than this process does.
+        running.wait(lambda: running.mill(DOOR)[0].success)
         yield running
 
 
@@ -34,8 +36,10 @@ def test_a_killed_node_ends_the_run_with_a_reason_and_is_replaced(cell: CellProc
         assert ended.target_file == ""
         return node.removeprefix("cell") in ended.message
 
-    assert cell.wait(refused)
-    cell.start(node)
+    try:
+        assert cell.wait(refused)
+    finally:
+        cell.start(node)
     cell.wait_until_up()
     # The bridge hears of the new node a moment later than this process.
     result = cell.wait(lambda: (ended := cell.mill(DOOR)[0]).error_code != NodeDeadError.code and ended)
