@@ -172,7 +172,7 @@ class LawSearch(BeamSearch[C], Generic[C]):
 
 
 def _ended(best: Fit[C]) -> Fit[C]:
-    """The model with terms ended that make up one curve over a driver: none of them goes on by itself.
+    """The model with terms ended that make up one curve of one thing over a driver: none of them goes on by itself.
 
     Beyond what was seen they would no longer cancel. A level has no end, and what repeats itself was seen whole.
     """

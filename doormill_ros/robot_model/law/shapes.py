@@ -22,7 +22,7 @@ _REFINED = (
 )  # fmt: skip
 #: By which it is, and by which parts of its width a sector is moved.
 _FACTORS, _MOVES = (0.6, 0.85, 0.95, 1.05, 1.18, 1.7), (-0.4, -0.1, 0.1, 0.4)
-#: Straight lines are believed half as far again as they were seen.
+#: Straight lines, and waves of which less than half of one was seen, are believed half as far again as they were seen.
 _STRAIGHT = 0.5
 
 

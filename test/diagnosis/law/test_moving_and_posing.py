@@ -1,6 +1,7 @@
 """Hidden laws in moving joints and in poses, of arms that share no code with the dictionaries, to files and models."""
 
 import json
+from collections import Counter
 
 import numpy as np
 import pytest
@@ -60,6 +61,34 @@ def test_a_law_of_a_moving_joint_is_placed_told_and_predicts_another_recording(t
     alone = loaded.of(world.law.joint + 1).residual(other.motions[world.law.joint])
     assert np.all(np.isfinite(alone))
     assert np.sqrt(np.mean(alone**2)) > 2.0 * noise
+
+
+def laws_of(model):
+    """Terms of laws in a model.yaml of moving joints."""
+    return [entry for one in model["joints"] for entry in one.get("laws", ())]
+
+
+def test_a_straight_law_predicts_torques_larger_than_those_it_comes_from(tmp_path):
+    world = draw_motion(153)
+    world.write(tmp_path / "set")
+    world.write(tmp_path / "unseen", 1)
+    document, _, model, _ = told(tmp_path)
+    (entry,) = laws_of(model)
+    assert (entry["shape"], entry["seen"]["ends"]) == ("slope", False)
+    other = int(world.truth["driver"].split()[-1])
+    (torque,) = (one.torque for one in read_motion_set(tmp_path / "unseen").motions if one.joint == other)
+    assert max(entry["seen"]["low"] - torque.min(), torque.max() - entry["seen"]["high"]) > 500.0  # N m
+    assert document["checks"][0]["characterised"]["rmse"] < 1.1 * document["noise_floor"]
+
+
+def test_terms_that_make_up_a_curve_end_where_their_driver_was_seen(tmp_path):
+    world = draw_motion(174)
+    world.write(tmp_path / "set")
+    diagnosis = motion_laws.with_laws(diagnose_motions([read_motion_set(tmp_path / "set")]))
+    (law,) = (law for law in diagnosis.laws[world.law.joint].laws if law.driver == "own angle")
+    together = Counter(term.acts_on for term in law.terms)
+    assert sorted(together.values()) == [1, 2]
+    assert all(term.seen.ends == (together[term.acts_on] > 1) for term in law.terms)
 
 
 def test_a_law_of_poses_is_placed_told_and_predicts_another_series(tmp_path):
