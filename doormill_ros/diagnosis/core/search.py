@@ -41,7 +41,7 @@ class Search(ABC, Generic[K, M]):
     """
 
     progress: Callable[[str], None] = staticmethod(lambda line: None)
-    largest: ClassVar[int] = 0
+    largest: int = 0
     beam: ClassVar[int] = 1
     looked_at: ClassVar[int] = 1
     swaps: ClassVar[int] = 0

@@ -18,7 +18,7 @@ from doormill_ros.diagnosis.core.fit import Fit
 from doormill_ros.diagnosis.core.problem import C
 from doormill_ros.diagnosis.core.verdict import PARTLY_EXPLAINED, UNEXPLAINED, rmse
 from doormill_ros.diagnosis.law.place import Places
-from doormill_ros.diagnosis.law.repeated import unseen_residual
+from doormill_ros.diagnosis.law.repeated import Repeated
 from doormill_ros.diagnosis.law.search import LawSearch
 from doormill_ros.diagnosis.law.telling import law_in_words, test_of
 from doormill_ros.statistics import resampled
@@ -27,7 +27,7 @@ _DRAWS = 4000  #: of configurations, for the interval
 _RIVALS = 4  #: that are told, at most
 _NO_BETTER = (
     "Of what remains nothing is said: laws that fit it were found, but when the search was repeated without some "
-    "postures, what it found predicted these no better than the named causes alone."
+    "postures, what it found, many laws or few, predicted these no better than the named causes alone."
 )
 
 
@@ -47,9 +47,13 @@ def characterise(search: LawSearch[C], kept: BoolArray) -> tuple[Characterised[C
     if not search.laws(best):
         return None, ""
     search.progress("searching for laws again without some postures")
-    held_out = unseen_residual(search, kept)
-    if held_out is None:
-        return None, _NO_BETTER
+    repeated, most = Repeated(search, kept), search.most
+    while (held_out := repeated.unseen_residual(most)) is None:
+        # The last of several laws may be one that only a few postures speak for.
+        most = len(search.laws(best)) - 1
+        best = search.at_most(most).run()
+        if not search.laws(best):
+            return None, _NO_BETTER
     return account(search, best, kept, held_out), ""
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Sequence
+from copy import copy
 from dataclasses import replace
 from functools import cached_property
 from typing import Generic
@@ -68,6 +69,17 @@ class LawSearch(BeamSearch[C], Generic[C]):
         """The same search on other rows."""
         terms = self.candidates[len(self.base) :]
         return LawSearch(problem, self.base, self.theta, terms, self.place, spread=self.spread)
+
+    @property
+    def most(self) -> int:
+        """Laws that may join."""
+        return max(self.largest - len(self.base), 0)
+
+    def at_most(self, laws: int) -> LawSearch[C]:
+        """The same search, with its fits, for so many laws."""
+        fewer = copy(self)
+        fewer.largest = len(self.base) + laws
+        return fewer
 
     def starts(self) -> list[Fit[C]]:
         """The established causes."""

@@ -68,6 +68,7 @@ def test_a_law_of_the_sensor_moves_no_tool(tmp_path):
         (78, "rocking_base"),  # over one edge of the foot, once that lifts
         (77, "opening_seat"),  # the tool's, one way
         (87, "coupling"),  # beside friction that holds a part of the load
+        (539, "worn_sector"),  # beside play; all laws that are found predict no other posture, two of them do
     ],
 )
 def test_what_opens_or_holds_predicts_unseen_postures(tmp_path, seed, law):

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from doormill_ros.diagnosis.core.fit import fit
+from doormill_ros.diagnosis.law.characterise import characterise
 from doormill_ros.diagnosis.law.labels import without_labels
-from doormill_ros.diagnosis.law.repeated import unseen_residual
+from doormill_ros.diagnosis.law.repeated import Repeated
 from doormill_ros.diagnosis.law.search import LawSearch
 from doormill_ros.diagnosis.law.some_rows import SomeRows
 from doormill_ros.diagnosis.loading.law_place import place_of
@@ -85,11 +86,12 @@ def test_a_pull_by_an_angle_is_told_and_what_stands_in_for_it_is_not(once):
     best = search.run()
     (law,) = search.laws(best)
     assert (law.acts_on, law.driver) == ("force bias", "angle of joint 6")
-    unseen = unseen_residual(search, kept)
+    unseen = Repeated(search, kept).unseen_residual(search.most)
     assert np.sqrt(np.mean(unseen**2)) < 1.1 * problem.noise_floor
     # Without a word for it the circumstances of the postures fit what these leave, and predict no other posture.
     others = [term for term in terms if term.driver in ("time", "temperature")]
     search = LawSearch(problem, (), np.zeros(0), others, place_of)
     best = search.run()
     assert np.mean(best.held_out**2) < 0.8 * np.mean(search.starts()[0].held_out ** 2)
-    assert unseen_residual(search, kept) is None
+    assert Repeated(search, kept).unseen_residual(search.most) is None
+    assert characterise(search, kept)[0] is None
