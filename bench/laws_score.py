@@ -14,6 +14,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -182,12 +183,16 @@ def main() -> int:
     parser.add_argument("--first", type=int, default=0, help="first seed")
     parser.add_argument("--step", type=int, default=1, help="seeds apart; 5 meets all laws in 16 sets")
     parser.add_argument("--keep", type=Path, help="folder to leave sets, truths and diagnoses in")
+    parser.add_argument("--workers", type=int, default=1, help="sets at once")
     chosen = parser.parse_args()
+    seeds = range(chosen.first, chosen.first + chosen.sets * chosen.step, chosen.step)
     scores = []
-    with tempfile.TemporaryDirectory() as temporary:
-        for seed in range(chosen.first, chosen.first + chosen.sets * chosen.step, chosen.step):
-            scores.append(diagnose((chosen.keep or Path(temporary)) / f"{seed:04d}", seed))
-            print(line(scores[-1]), flush=True)
+    with tempfile.TemporaryDirectory() as temporary, ThreadPoolExecutor(chosen.workers) as pool:
+        folders = [(chosen.keep or Path(temporary)) / f"{seed:04d}" for seed in seeds]
+        # A thread waits for a process that computes.
+        for score in pool.map(diagnose, folders, seeds):
+            scores.append(score)
+            print(line(score), flush=True)
     print(table(scores))
     return 0
 
