@@ -17,7 +17,8 @@ from doormill_ros.localization.edge_line import EdgeLine, meet
 from doormill_ros.localization.errors import NoEdge, WrongEdge
 from doormill_ros.localization.fit import line_products, weighted_line
 from doormill_ros.localization.layers import choose
-from doormill_ros.localization.line_ends import check_ends, check_stand_ins
+from doormill_ros.localization.line_ends import check_ends
+from doormill_ros.localization.stand_ins import check_stand_ins
 from doormill_ros.localization.view import BOTTOM, HINGE, FaceView
 from doormill_ros.statistics import median
 

@@ -1,4 +1,4 @@
-"""Where the lines that were found end: an edge ends at its corner, and near it no other step stands in for it."""
+"""Where the lines that were found end: an edge ends at its corner."""
 
 from __future__ import annotations
 
@@ -11,25 +11,18 @@ from doormill_ros.localization.errors import WrongEdge
 from doormill_ros.localization.shade import is_shadow
 from doormill_ros.localization.view import BOTTOM, HINGE, FaceView
 from doormill_ros.statistics import median, row_medians
-from doormill_ros.units import m_to_mm
 
 _PAST = (4.0e-3, 0.9e-3)  # where a line must have ended, beyond where it meets the other [m]
 _RUNS_ON = 0.2  # a line runs on with that share of its step, lighter or darker: other things lie there
 _RUNS_ON_ALONE = 0.03  # or with that share, where it is so many times as large as all other steps there
 _ALONE = 2.5
-_FAINTEST = 1.5  # and with so many grey levels
+FAINTEST = 1.5  # and with so many grey levels
 _BESIDE = 10.0e-3  # how far beside a line it is compared with others where it runs on [m]
-_PLAIN = 4.0  # a step stands out when it is that many times as large as is usual beside it
-_BEGINS = (0.8e-3, 62.0e-3)  # a line is looked for in these distances from the corner [m]
-_STANDS = 16.0e-3  # how far beside it others are looked for where it is not there [m]
-_THERE = 0.5  # it is there with that share of its step
-_LEAST_GAP = 5  # samples lack it where another is looked for: the border of a smaller chip looks as straight
-_STANDS_IN = 0.3  # which has that share of its step, and less than half of that where the line is
-_FEW, _STEADY = 0.1, 0.7  # all but that share of its samples have that share of its step
+PLAIN = 4.0  # a step stands out when it is that many times as large as is usual beside it
 _DRAWN_PAST = 15.0e-3  # what is drawn of a line beyond the corner [m]
 
 
-def _parallels(
+def parallels(
     steps: Steps, line: EdgeLine, start: float, stop: float, reach: float
 ) -> tuple[FloatArray, Float32Array]:
     """Parallels of a line up to `reach` beside it [m]: offsets (m,) [m], steps between two places along (n, m)."""
@@ -52,12 +45,12 @@ def _stands_out(size: Float32Array, least: float) -> bool:
     usual = median(np.delete(size, slice(middle - 2 * WING, middle + 2 * WING + 1)))
     # What peaks beside the line is another one, which may well run on.
     here = abs(int(np.argmax(about)) - 2 * WING) < WING
-    return bool(here and about.max() > max(least, _FAINTEST, _PLAIN * usual))
+    return bool(here and about.max() > max(least, FAINTEST, PLAIN * usual))
 
 
 def _goes_on(steps: Steps, line: EdgeLine, end: float) -> bool:
     """Whether a line shows beyond a place along it [m]."""
-    _, found = _parallels(steps, line, end - _PAST[0], end - _PAST[1], _BESIDE)
+    _, found = parallels(steps, line, end - _PAST[0], end - _PAST[1], _BESIDE)
     if len(found) < 2:
         return False
     size = np.abs(row_medians(found.T))
@@ -118,53 +111,3 @@ def check_ends(
         edge=runs_on,
         marks=((runs_on, view.pixels(chosen[runs_on].points(runs_on, start))),),
     )
-
-
-def check_stand_ins(
-    steps: dict[str, Steps], view: FaceView, chosen: dict[str, EdgeLine], corner: FloatArray
-) -> None:
-    """Whether a line that begins only at some distance from the corner has no parallel in its place up to there.
-
-    Tape over an edge, and what else covers it, lets the edge itself be seen beside its end only.
-
-    Args:
-        steps: Of each edge's band.
-        view: The camera before the face.
-        chosen: The lines taken for the edges.
-        corner: Where they meet, y and z, shape (2,) [m].
-
-    Raises:
-        WrongEdge: There is one, so that either may be the edge.
-    """
-    for edge, at in ((HINGE, corner[1]), (BOTTOM, corner[0])):
-        line = chosen[edge]
-        offsets, found = _parallels(steps[edge], line, at + _BEGINS[0], at + _BEGINS[1], _STANDS)
-        middle = offsets.size // 2
-        there = (np.sign(line.step) * found[:, middle - 1 : middle + 2]).max(axis=1)
-        missing = there < _THERE * abs(line.step)
-        gap = int(np.argmin(missing)) if not missing.all() else missing.size
-        if gap < _LEAST_GAP or gap + _LEAST_GAP > missing.size:
-            continue
-        # The last sample of the gap may see both. The border of what is broken off runs askew: few samples share it.
-        before, after = (np.abs(row_medians(part.T)) for part in (found[: gap - 1], found[gap + 1 :]))
-        steady = np.quantile(np.abs(found[: gap - 1]), _FEW, axis=0) > _STEADY * before
-        alone = (
-            (before > np.maximum(_STANDS_IN * abs(line.step), _FAINTEST)) & (after < 0.5 * before) & steady
-        )
-        alone[np.abs(np.arange(offsets.size) - middle) <= WING] = False
-        usual = median(before)
-        if alone.any() and before[alone].max() > _PLAIN * usual:
-            place = int(np.argmax(np.where(alone, before, 0.0)))
-            apart = float(offsets[place])
-            other = EdgeLine(line.across + apart, line.tilt, line.step)
-            begins = steps[edge].where.pitch * gap + _BEGINS[0]
-            raise WrongEdge(
-                f"the line taken for the {edge} edge begins {m_to_mm(begins):.0f} mm from the corner, and up to there "
-                f"another runs {m_to_mm(abs(apart)):.1f} mm beside it: either may be the edge, the other what covers "
-                "it, as tape does; clear the edge",
-                edge=edge,
-                marks=tuple(
-                    (name, view.pixels(one.points(edge, at)))
-                    for name, one in (("line", line), ("other", other))
-                ),
-            )

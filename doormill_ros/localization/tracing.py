@@ -19,6 +19,7 @@ from doormill_ros.localization.layers import choose
 from doormill_ros.localization.neighbourhood import EVERY, WIDE_HALF, Neighbourhood, look_around
 from doormill_ros.localization.profiles import Profiles, measure, plain_weights
 from doormill_ros.localization.settings import LocalizerSettings
+from doormill_ros.localization.stand_ins import check_stretch
 from doormill_ros.localization.texture import push
 from doormill_ros.localization.view import BOTTOM, EDGES, HINGE, FaceView
 from doormill_ros.statistics import share
@@ -186,6 +187,7 @@ def _trace(
         borders = find_borders(picture, view, reads, settings, borders)
     out = {}
     for edge, read in reads.items():
+        check_stretch(picture, view, read.pose, read.profiles, read.line)
         border, beside = borders[edge], read.beside
         line = read.line
         if border.shift:

@@ -78,6 +78,21 @@ def test_tape_over_an_edge_is_told_by_what_shows_beside_its_end(edge, start, cam
     assert is_drawn(picture, refusal.value)
 
 
+@pytest.mark.parametrize("edge", ["hinge", "bottom"])
+@pytest.mark.parametrize("below", [0.15, 0.3, 0.6, 0.9, 2.0])
+@pytest.mark.parametrize("start", [5.0, 10.0])
+def test_a_second_door_that_shows_below_the_first_and_ends_before_its_corner_is_told(
+    edge, below, start, camera, layout
+):
+    # As bright as the first: nothing but its end tells that the line taken for the edge is its own.
+    second = box(edge, -below, 5.0, start, 300.0, PLAIN.face.brightness, behind=True)
+    picture, found = look(camera, layout, second)
+    with pytest.raises(WrongEdge, match=rf"the {edge} edge begins \d+ mm from the corner") as refusal:
+        found()
+    assert [name for name, _ in refusal.value.data["marks"]] == ["line", "other"]
+    assert is_drawn(picture, refusal.value)
+
+
 @pytest.mark.parametrize("wide", [3.0, 12.0])
 @pytest.mark.parametrize("start", [30.0, 36.0])
 @pytest.mark.parametrize("edge", ["hinge", "bottom"])
@@ -98,6 +113,16 @@ def test_a_rail_behind_that_runs_on_beside_the_edge_does_no_harm(edge, away, cam
 def test_a_broken_corner_is_no_second_edge(size, camera, layout):
     chips = tuple(Chip(edge, 0.0, 2 * size * MM, 0.6 * size * MM) for edge in ("hinge", "bottom"))
     _, found = look(camera, layout, edges=replace(PLAIN.edges, chips=chips))
+    assert off(found()) < 0.05 * MM
+
+
+@pytest.mark.parametrize("edge", ["hinge", "bottom"])
+@pytest.mark.parametrize("long", [2.0, 5.0, 8.0, 12.0])
+@pytest.mark.parametrize("deep", [0.06, 0.3])
+def test_a_shallow_chip_in_the_corner_is_no_second_edge(edge, long, deep, camera, layout):
+    # From 0.1 mm on a chip with a flat floor may look like another edge; one so shallow does no harm.
+    edges = replace(PLAIN.edges, chips=(Chip(edge, 0.0, 2 * long * MM, deep * MM),))
+    _, found = look(camera, layout, edges=edges)
     assert off(found()) < 0.05 * MM
 
 
