@@ -11,17 +11,21 @@ from functools import cached_property
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.localization.waves import line_variances
 
 _PIECE = 6.0e-3  # length over which deviations are averaged [m]; a sawn edge wanders over 2 mm
 # Of Gaussian wander over 2 mm, averages over 6 mm hold a fifth too little variance; the biweight and the
 # search for chips take another quarter off the largest of them.
 _PIECE_BIAS = 1.6
 _LONGER = (2, 3, 4)  # lengths of longer pieces [_PIECE]
-# Few pieces hold too little of waves about as long as they are. So 6 of 100 lines along 80 and 130 mm of Gaussian waves
-# over 10 to 15 mm are further off than twice what they state (test_wander.py); longer waves look like another line.
+# Few pieces hold too little of waves about as long as they are. So 5 of 100 lines along 80 and 130 mm of Gaussian waves
+# over 10 to 15 mm are further off than twice what they state (test_wander.py); longer waves look like another line, and
+# are asked by themselves.
 _WAVES = 2.0
 _WAVY = 0.5  # deviations 4 mm apart that go together so much are waves
-_LEAST_WAVES = 8.0e-6  # waves smaller than that are left to the other pieces [m]
+_USED = 0.2  # share of the largest weight from which a piece counts
+_FEWEST = 8  # thirds of pieces that tell of waves
+_LEAST_WAVES = 5.0e-6  # waves smaller than that are left to the other pieces [m]
 
 
 class EdgePieces:
@@ -29,6 +33,7 @@ class EdgePieces:
 
     def __init__(self, along: FloatArray, weight: FloatArray) -> None:
         """By its points' place along it [m], shape (n,), and their weight in the line, shape (n,)."""
+        self._along = along
         self._third = ((along - along.min()) * (3 / _PIECE)).astype(np.intp)
         self._weight, self._square = weight, np.square(weight)
         self._total = float(self._square.sum())
@@ -58,8 +63,23 @@ class EdgePieces:
         # Waves longer than a piece of edge leave more in longer pieces, of which there are few: only waves show in
         # deviations that last over several millimetres.
         if white > _LEAST_WAVES**2 and _lasting(sums) > _WAVY:
-            wander = max(wander, *(_WAVES * one.variance(sums) for one in self._longer))
+            wander = max(wander, self._by_waves(sums), *(_WAVES * one.variance(sums) for one in self._longer))
         return max(wander, white)
+
+    def _by_waves(self, sums: FloatArray) -> float:
+        """The variance by the waves themselves; `sums` (n,) of weighted residuals in thirds of a piece."""
+        used = self._squares > _USED * self._squares.max()
+        if used.sum() < _FEWEST:
+            return 0.0
+        weights = np.bincount(self._third, weights=self._weight)
+        place, slope = line_variances(sums[used] / weights[used], used, _PIECE / 3)
+        total = float(self._weight.sum())
+        lever = self._along - float(self._weight.dot(self._along)) / total
+        weighted = self._weight * lever
+        return max(
+            place * total**2 / self._total,
+            slope * float(weighted.dot(lever)) ** 2 / float(weighted.dot(weighted)),
+        )
 
 
 def _lasting(sums: FloatArray) -> float:
@@ -79,7 +99,7 @@ class _Size:
         self._ones = np.ones(min(3 * longer, squares.size))
         squares = np.convolve(squares, self._ones, "valid")
         most, total = float(squares.max()), float(squares.sum())
-        self._used = squares > 0.2 * most
+        self._used = squares > _USED * most
         self.pieces = total / most / self._ones.size
         fitted = (self.pieces + 0.5) / max(self.pieces - 1.5, 1.0)  # the line went along with the pieces
         self._scale = _PIECE_BIAS * fitted / float(squares[self._used].sum())
