@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import sys
 import time
 from collections import deque
@@ -28,7 +27,6 @@ from doormill_interfaces.msg import (
     TargetArray,
 )
 from doormill_ros.arrays import ByteArray
-from doormill_ros.cell.inspection import MeasuredDoor
 from doormill_ros.localization.errors import BadPicture
 from doormill_ros.messages.from_message import gauged_of, inspection_of, recipe_of
 from doormill_ros.messages.picture import colours_of, picture_of
@@ -36,7 +34,7 @@ from doormill_ros.messages.stamps import nanoseconds_of, seconds_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.planned_times import planned_times_of
 from doormill_ros.nodes.convert.runs_verdict import view_of_runs
-from doormill_ros.nodes.convert.verdict import faults_of, steps_of
+from doormill_ros.nodes.convert.verdict import view_of_model
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.operator_control import ACTION, ActionControl
 from doormill_ros.nodes.reporting_node import ERROR, OK, NodeParameter
@@ -45,11 +43,10 @@ from doormill_ros.nodes.run import run_nodes
 from doormill_ros.operator.audit import AuditLog
 from doormill_ros.operator.door_view import door_view, worst_by_feature
 from doormill_ros.operator.ended_run import EndedRun
-from doormill_ros.operator.history import append_history, kept_run, load_history
-from doormill_ros.operator.model_view import ModelView, TrendDoor
 from doormill_ros.operator.page_names import is_address, page_names
 from doormill_ros.operator.page_server import PageServer
 from doormill_ros.operator.picture import CAPTIONS, MEDIA_TYPE, encode_picture
+from doormill_ros.operator.run_book import RunBook
 from doormill_ros.operator.server import create_app
 from doormill_ros.operator.shown_door import ShownDoors
 from doormill_ros.operator.state import CellView
@@ -107,8 +104,8 @@ class OperatorPage(ManagedNode):
     def setup(self) -> None:
         """Serve the page and subscribe."""
         self.store = ViewStore()
-        self._history = Path(self.value("history"))
-        self.store.update(lambda view: view.with_history(load_history(self._history)))
+        history = Path(self.value("history"))
+        self._runs = RunBook(self.store, history)
         two = self.value("robots") > 1
         # By place below the cell's namespace: that of the only robot is the cell's own.
         self._places = {in_robot(name): number for number, name in enumerate(ROBOTS, 1)} if two else {"": 0}
@@ -118,7 +115,6 @@ class OperatorPage(ManagedNode):
         self._bridges_heard = dict.fromkeys(self._places, float("-inf"))
         self._look_for_bridges()
         self._shown: ShownDoors[Image] = ShownDoors()
-        self._judged, self._found = "", ("", MeasuredDoor(), 0.0)
         self._pictures: deque[Image] = deque(maxlen=KEPT_PICTURES)
         host, tokens = self.value("host"), self.value("tokens")
         token = self._given or (load_keys(Path(tokens)) if tokens else None)
@@ -127,7 +123,7 @@ class OperatorPage(ManagedNode):
         if not is_address(host):
             names = (*names, host.lower())
         audit = AuditLog(Path(self.value("audit") or site_folder() / AUDIT))
-        app = create_app(self.store, control, token, names, audit, history=self._history)
+        app = create_app(self.store, control, token, names, audit, history=history)
         self._controls = control is not None
         self._server = PageServer(app, host, self.value("port")).start()
         self.url = self._server.url
@@ -181,37 +177,13 @@ class OperatorPage(ManagedNode):
             self.store.update(lambda view: view.with_plan(targets.run_id, times, robot or None))
 
     def _take_milled(self, door: MilledDoor) -> None:
-        self._judged = door.run_id
-        self._found = door.run_id, inspection_of(door), 0.0
-        found = {feature.feature: feature.corrected_max for feature in door.features}
-        self._measured(door.run_id, found, door.tolerance)
-        self._amend()
+        worst = {feature.feature: feature.corrected_max for feature in door.features}
+        self._runs.measured_in_cell(door.run_id, inspection_of(door), worst)
 
     def _take_inspection(self, measured: DoorInspection) -> None:
-        if measured.run_id == self._judged:
-            return  # who measured in the cell has told more, and the result holds it
-        inspection = gauged_of(measured)
-        self._found = measured.run_id, inspection, max(seconds_of(measured.header.stamp), 0.0)
-        points = zip(measured.feature, measured.deviation, strict=False)
-        self._measured(measured.run_id, worst_by_feature(points), inspection.tolerance)
-        self._amend()
-
-    def _amend(self) -> None:
-        """Say of the run that was measured last how its door came out; its result may come before or after."""
-        run_id, inspection, at = self._found
-        found = inspection, at, run_id == self._judged
-        before = self.store.view.history
-        self.store.update(lambda view: view.with_inspection(run_id, *found))
-        amended = set(self.store.view.history) - set(before)
-        if run_id != self.store.view.run_id and all(run.run_id != run_id for run in before):
-            kept = kept_run(self._history, run_id)  # it ended so long ago that the page shows it no more
-            amended |= {kept.found(*found)} - {kept} if kept else set()
-        for run in amended:
-            append_history(self._history, run)
-
-    def _measured(self, run_id: str, found: dict[str, float], tolerance: float) -> None:
-        allowed = tolerance if math.isfinite(tolerance) else 0.0
-        self.store.update(lambda view: view.with_measured(run_id, found, allowed))
+        worst = worst_by_feature(zip(measured.feature, measured.deviation, strict=False))
+        at = max(seconds_of(measured.header.stamp), 0.0)
+        self._runs.gauged(measured.run_id, gauged_of(measured), at, worst)
 
     def _take_feedback(self, message: Any) -> None:
         feedback = message.feedback
@@ -253,46 +225,20 @@ class OperatorPage(ManagedNode):
         self.store.update(lambda view: view.with_picture(data, MEDIA_TYPE, caption, key, values))
 
     def _take_result(self, result: RunResult) -> None:
-        ended = EndedRun(
-            result.run_id,
-            result.door_id,
-            result.success,
-            result.error_code,
-            result.message,
-            seconds_of(result.header.stamp),
-            result.measured,
-            result.measured and result.run_id == self._judged,
+        self._runs.ended(
+            EndedRun(
+                result.run_id,
+                result.door_id,
+                result.success,
+                result.error_code,
+                result.message,
+                seconds_of(result.header.stamp),
+                result.measured,
+            )
         )
-        known = any(run.run_id == ended.run_id for run in self.store.view.history)
-        self.store.update(lambda view: view.with_ended(ended))
-        if not known:
-            append_history(self._history, ended)
-            if self._found[0] == ended.run_id:
-                self._amend()
 
     def _take_verdict(self, said: ModelVerdict) -> None:
-        doors = tuple(TrendDoor(d.door_id, d.run_id, d.model_version, d.largest) for d in said.doors)
-        model = ModelView(
-            said.sentence,
-            said.next_measurement,
-            tuple(said.remarks),
-            said.version,
-            said.proposed,
-            said.expected_error,
-            said.expected_error_proposed,
-            said.limit,
-            said.stopped,
-            said.message,
-            said.asking,
-            said.waiting,
-            doors,
-            said.verdict,
-            faults_of(said),
-            said.questioned,
-            steps_of(said),
-            said.error_code,
-        )
-        self.store.update(lambda view: view.with_model(model))
+        self.store.update(lambda view: view.with_model(view_of_model(said)))
 
     def _take_runs(self, said: RunsVerdict) -> None:
         self.store.update(lambda view: view.with_runs(view_of_runs(said)))

@@ -14,6 +14,7 @@ from doormill_ros.nodes.operator_page import OperatorPage
 from doormill_ros.operator.door_view import door_view
 from doormill_ros.operator.ended_run import EndedRun
 from doormill_ros.operator.history import load_history
+from doormill_ros.operator.run_book import RunBook
 from doormill_ros.operator.view_store import ViewStore
 from doormill_ros.recipes.documents import load_recipe
 
@@ -26,8 +27,7 @@ class Page(OperatorPage):
 
     def __init__(self, folder: Path) -> None:
         self.store = ViewStore()
-        self._judged, self._found, self._history = "", ("", MeasuredDoor(), 0.0), folder
-        self.store.update(lambda view: view.with_history(load_history(folder)))
+        self._runs = RunBook(self.store, folder)
 
 
 @pytest.fixture

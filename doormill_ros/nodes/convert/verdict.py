@@ -10,6 +10,7 @@ from doormill_interfaces.msg import DoorError, MeasureNext, ModelCause, ModelVer
 from doormill_ros.diagnosis.parts.next_step import NextStep
 from doormill_ros.monitor.finding import NamedFault
 from doormill_ros.monitor.watch_state import WatchState
+from doormill_ros.operator.model_view import ModelView, TrendDoor
 
 
 def verdict_of_model(state: WatchState, header: Header) -> ModelVerdict:
@@ -57,4 +58,28 @@ def steps_of(message: ModelVerdict) -> tuple[NextStep, ...]:
     """What a verdict says to measure next."""
     return tuple(
         NextStep(n.step, n.cause, n.other, n.by, n.points, n.feature, n.recipe) for n in message.next
+    )
+
+
+def view_of_model(message: ModelVerdict) -> ModelView:
+    """A verdict as the operator's page shows it."""
+    return ModelView(
+        message.sentence,
+        message.next_measurement,
+        tuple(message.remarks),
+        message.version,
+        message.proposed,
+        message.expected_error,
+        message.expected_error_proposed,
+        message.limit,
+        message.stopped,
+        message.message,
+        message.asking,
+        message.waiting,
+        tuple(TrendDoor(d.door_id, d.run_id, d.model_version, d.largest) for d in message.doors),
+        message.verdict,
+        faults_of(message),
+        message.questioned,
+        steps_of(message),
+        message.error_code,
     )
