@@ -11,7 +11,6 @@ from typing import Any, TypeVar
 from std_msgs.msg import Header
 
 from doormill_interfaces.msg import DoorPlacement, DoorRecipe, MilledDoor, RunResult, TargetArray
-from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.cell.summary import TOLERANCE
 from doormill_ros.cell.two_robots import SECOND
@@ -30,8 +29,7 @@ from doormill_ros.simulation.controller.arm import ControllerArm
 from doormill_ros.simulation.controller.rws_server.running import served_cabinet
 from doormill_ros.simulation.controller.rws_server.serving import VERSIONS, serve
 from doormill_ros.simulation.judge.bodies import load_cell
-from doormill_ros.simulation.judge.judge import judge
-from doormill_ros.simulation.milled_part import inspect
+from doormill_ros.simulation.judged_door import judge_door
 from doormill_ros.simulation.robot_cell import RobotCell, RobotCellRun, load_effects
 from doormill_ros.simulation.spindle_load import SpindleWork
 from doormill_ros.simulation.world.cutting_power import CutDoor
@@ -203,13 +201,9 @@ class ControllerSimulator(ManagedNode):
         if recipe is None or placement is None or recipe.run_id != placement.run_id:
             return
         if self._cell.spindle.work is None:
-            door = CutDoor(recipe_of(recipe), self._T_base_door(placement))
+            pictured = transform_of(placement.pose)
+            door = CutDoor(recipe_of(recipe), self._shift.T_base_door(pictured))
             self._cell.spindle.work = SpindleWork(door, self._door.hardness, self._door.drawn(LOAD))
-
-    def _T_base_door(self, placement: DoorPlacement) -> FloatArray:
-        """Where the door stands while it is milled, shape (4, 4)."""
-        pictured = transform_of(placement.pose)
-        return self._door.T_base_door(pictured) if self._shift.world_given else pictured
 
     def _halt(self) -> None:
         with self._told:
@@ -261,31 +255,29 @@ class ControllerSimulator(ManagedNode):
             self._publish(self._milled, MilledDoor(run_id=placement.run_id, door_id=placement.door_id))
             return
         program, door = program_of(targets), recipe_of(recipe)
-        executed, T_base_door = run.executed_path(program), self._T_base_door(placement)
-        uncorrected_path = self._cell.execute_uncorrected(program)
-        if self._shift.world_given:
-            executed, uncorrected_path = (
-                self._door.executed(door, T_base_door, path) for path in (executed, uncorrected_path)
-            )
-        header = Header(stamp=self.get_clock().now().to_msg(), frame_id=BASE_FRAME)
-        self._publish(self._executed, executed_message(executed, header, placement))
-        verdict = judge(door, T_base_door, executed, self._judged_cell, run.spindle_turned(executed))
-        header = Header(stamp=self.get_clock().now().to_msg(), frame_id=DOOR_FRAME)
-        self._publish(self._verdict, verdict_message(verdict, header, placement))
-        corrected = inspect(door, T_base_door, executed)
-        uncorrected = inspect(door, T_base_door, uncorrected_path)
+        T_base_door = self._shift.T_base_door(transform_of(placement.pose))
+        executed, uncorrected = (
+            self._shift.executed(door, T_base_door, path)
+            for path in (run.executed_path(program), self._cell.execute_uncorrected(program))
+        )
+        self._publish(self._executed, executed_message(executed, self._header(BASE_FRAME), placement))
+        turning = run.spindle_turned(executed)
+        judged = judge_door(door, T_base_door, executed, uncorrected, self._judged_cell, turning)
+        header = self._header(DOOR_FRAME)
+        self._publish(self._verdict, verdict_message(judged.verdict, header, placement))
         if self.value("inspection") or self.value("gauged"):
             self._tell_gauged(gauge(door, T_base_door, executed, self._door.drawn(GAUGE)), placement.run_id)
-        header = Header(stamp=self.get_clock().now().to_msg(), frame_id=DOOR_FRAME)
-        self._publish(
-            self._milled, milled_message(door, corrected, uncorrected, TOLERANCE, header, placement)
-        )
-        self._say("door milled", door_id=placement.door_id, deviation=corrected.max_deviation)
+        parts = judged.corrected, judged.uncorrected
+        self._publish(self._milled, milled_message(door, *parts, TOLERANCE, header, placement))
+        self._say("door milled", door_id=placement.door_id, deviation=judged.corrected.max_deviation)
+
+    def _header(self, frame: str) -> Header:
+        return Header(stamp=self.get_clock().now().to_msg(), frame_id=frame)
 
     def _tell_share(self, run: RobotCellRun, placement: DoorPlacement, targets: TargetArray) -> None:
         """What this robot did to the door, and would have done without correction; the former comes last."""
         program = program_of(targets)
-        header = Header(stamp=self.get_clock().now().to_msg(), frame_id=BASE_FRAME)
+        header = self._header(BASE_FRAME)
         uncorrected = self._cell.execute_uncorrected(program)
         self._publish(self._uncorrected, executed_message(uncorrected, header, placement))
         self._publish(self._executed, executed_message(run.executed_path(program), header, placement))

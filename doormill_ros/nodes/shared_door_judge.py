@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from typing import Any
 
 import numpy as np
@@ -12,17 +11,16 @@ from doormill_interfaces.msg import DoorPlacement, DoorRecipe, ExecutedPath
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.summary import TOLERANCE
 from doormill_ros.cell.two_robots import FIRST, SECOND
-from doormill_ros.frames import DOOR_FRAME, inverse
+from doormill_ros.frames import DOOR_FRAME
 from doormill_ros.messages.from_message import recipe_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.executed import executed_of, milled_message, placed_at, verdict_message
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.reporting_node import OK
 from doormill_ros.nodes.robots import ROBOTS, in_robot
-from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.simulation.judge.bodies import load_cell
-from doormill_ros.simulation.judge.pair import Milled, judge_pair
-from doormill_ros.simulation.milled_part import MilledPart, inspect
+from doormill_ros.simulation.judge.pair import Milled
+from doormill_ros.simulation.judged_door import judge_shared_door
 from doormill_ros.toolpath.settings import load_settings
 from doormill_ros.toolpath.split import split
 
@@ -79,30 +77,21 @@ class SharedDoorJudge(ManagedNode):
         paths = (self._done, self._uncorrected)
         if any(robot not in of or of[robot].run_id != recipe.run_id for of in paths for robot in working):
             return
+        T_cell_door = placed_at(placement)
         # Also of one that had nothing to mill and moved all the same.
         order = [robot for robot, path in self._done.items() if path.run_id == recipe.run_id]
-        T_cell_door = placed_at(placement)
         moved = [Milled(robot, self._bases[robot], executed_of(self._done[robot])) for robot in order]
         still = [Milled(robot, self._bases[robot], None) for robot in ROBOTS if robot not in order]
-        verdict = judge_pair(door, T_cell_door, [*moved, *still], self._cell)
-        corrected = self._inspect(door, T_cell_door, moved)
-        unmoved = [
-            dataclasses.replace(
-                own, executed=executed_of(self._uncorrected.get(own.robot, self._done[own.robot]))
-            )
-            for own in moved
-        ]
-        uncorrected = self._inspect(door, T_cell_door, unmoved)
+        uncorrected = {
+            robot: executed_of(path)
+            for robot, path in self._uncorrected.items()
+            if path.run_id == recipe.run_id
+        }
+        judged = judge_shared_door(door, T_cell_door, [*moved, *still], uncorrected, self._cell)
         self._done.clear()
         self._uncorrected.clear()
         header = Header(stamp=self.get_clock().now().to_msg(), frame_id=DOOR_FRAME)
-        self._verdict.publish(verdict_message(verdict, header, placement))
-        self._milled.publish(milled_message(door, corrected, uncorrected, TOLERANCE, header, placement))
-        self.report(OK, "door judged", door_id=placement.door_id, deviation=corrected.max_deviation)
-
-    @staticmethod
-    def _inspect(door: Recipe, T_cell_door: FloatArray, milled: list[Milled]) -> MilledPart:
-        """The door as all of them left it."""
-        seen = [(inverse(own.T_cell_robot) @ T_cell_door, own.executed) for own in milled if own.executed]
-        (T_first, executed), *others = seen
-        return inspect(door, T_first, executed, others=others)
+        self._verdict.publish(verdict_message(judged.verdict, header, placement))
+        parts = judged.corrected, judged.uncorrected
+        self._milled.publish(milled_message(door, *parts, TOLERANCE, header, placement))
+        self.report(OK, "door judged", door_id=placement.door_id, deviation=judged.corrected.max_deviation)

@@ -5,9 +5,12 @@ from __future__ import annotations
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.nodes.reporting_node import NodeParameter
+from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.description import load_robot
+from doormill_ros.simulation.controller.executed_path import ExecutedPath
 from doormill_ros.simulation.world.door_truth import TAKT, DoorTruth
 from doormill_ros.simulation.world.world_file import ShiftWorld, load_world
 
@@ -23,8 +26,8 @@ class SimulatedShift:
     """Counts the doors of a simulated node.
 
     Attributes:
-        world_given: Whether a world file was named.
         number: Of the door in hand.
+        door: What is true of it, once one was begun.
     """
 
     def __init__(self, world: str, first: int, began: float = 0.0) -> None:
@@ -38,7 +41,7 @@ class SimulatedShift:
         Raises:
             WorldFileError: The file cannot be used.
         """
-        self.world_given = bool(world)
+        self._world_given = bool(world)
         self._world = load_world(Path(world)) if world else ShiftWorld()
         layout = load_layout()
         # Table of links and tool are all that the truth takes from the descriptions.
@@ -53,4 +56,13 @@ class SimulatedShift:
     def begin(self) -> DoorTruth:
         """The next door."""
         self.number, self._next = self._next, self._next + 1
-        return DoorTruth(self._world, self.number, self._dh, self._T_flange_tool)
+        self.door = DoorTruth(self._world, self.number, self._dh, self._T_flange_tool)
+        return self.door
+
+    def T_base_door(self, pictured: FloatArray) -> FloatArray:
+        """Where the door in hand stands while it is milled, by where it stood in its picture, both (4, 4)."""
+        return self.door.T_base_door(pictured) if self._world_given else pictured
+
+    def executed(self, recipe: Recipe, T_base_door: FloatArray, path: ExecutedPath) -> ExecutedPath:
+        """A path as this world's robot followed it into the door in hand, which stood at T_base_door, (4, 4)."""
+        return self.door.executed(recipe, T_base_door, path) if self._world_given else path
