@@ -260,5 +260,6 @@ def _inside_of_rims(picture: ByteArray, view: FaceView, seen: dict[str, _Seen]) 
             within = replace(outer, across=outer.across + one.rim.width * pixel)
             lines[edge] = [within, outer] if one.rim.width > least else [outer]
             check_readable(edge, one.rim, pixel)
-    found = choose(picture, view, lines, meet(lines[HINGE][0], lines[BOTTOM][0])[:2])
-    return {edge: len(lines[edge]) > 1 and found[edge] is lines[edge][0] for edge in EDGES}
+    layers = choose(picture, view, lines, meet(lines[HINGE][0], lines[BOTTOM][0])[:2])
+    layers.check()
+    return {edge: len(lines[edge]) > 1 and layers.lines[edge] is lines[edge][0] for edge in EDGES}

@@ -214,11 +214,13 @@ def search(
             HINGE: _parallels(lines[HINGE], np.any(square, axis=1)),
             BOTTOM: _parallels(lines[BOTTOM], np.any(square, axis=0)),
         }
-        found = choose(picture, view, beside, meet(*first))
+        layers = choose(picture, view, beside, meet(*first))
+        found = layers.lines
         hinge, bottom = found[HINGE], found[BOTTOM]
         corner = meet(hinge, bottom)
         check_ends(picture, steps, view, found, beside, corner)
         check_stand_ins(steps, view, found, corner)
+        layers.check()
         if abs(hinge.tilt + bottom.tilt) < _PARALLEL and _ends_at_corner(
             steps, hinge, bottom, corner, broken
         ):

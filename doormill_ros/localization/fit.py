@@ -132,10 +132,11 @@ def fit_line(
     bend = float(weight.dot(arc * residual)) / stiffness
     if rounds > 2:
         pieces = EdgePieces(x, weight)
-        variance, freedom = pieces.variance(residual), pieces.freedom
+        for_place, for_slope = pieces.variances(residual)
+        freedom = pieces.freedom
         straightened = pieces.variance(residual - bend * arc)
     else:
-        variance = straightened = scale**2
+        for_place = for_slope = straightened = scale**2
         freedom = 1.0
     total, spent = float(weight.sum()), np.square(weight)
     middle, place = middle + origin[0], place + origin[1]
@@ -146,14 +147,14 @@ def fit_line(
         place,
         slope,
         middle,
-        variance * float(spent.sum()) / total**2,
-        variance * float(weighted.dot(weighted)) / float(weighted.dot(lever)) ** 2,
+        for_place * float(spent.sum()) / total**2,
+        for_slope * float(weighted.dot(weighted)) / float(weighted.dot(lever)) ** 2,
         residuals,
         inliers,
         sqrt(float(weight.dot(np.square(residual))) / total),
         bend,
         straightened * float(spent.dot(np.square(arc))) / stiffness**2,
-        variance,
+        max(for_place, for_slope),
         freedom,
     )
 

@@ -35,15 +35,27 @@ _ACROSS = np.linspace(0.3, 0.7, 5)  # where across a strip it is read, as shares
 _END = (-6.0e-3, 4.0e-3)
 _CLOSE = (-1.2e-3, 1.5e-3)  # the same for an end that is to be placed exactly [m]
 _TOLD, _AS_FLUSH = 0.06e-3, 0.33  # a bevel's end is seen from so far out [m], and a strip's nearer is flush
+_SEEN_STEP = 0.5  # share of the step along the whole edge that must be between both sides of a line where they are read
+_AS_FACE = 0.2  # what differs from the face by less than that share of what its strips do is face
+_STRAIGHT = 0.4e-3  # a strip that begins on all its parallels within that is cut off [m]
+_APART = 1.5e-3  # lines so far from one another have steps of their own [m]
 _RISE = 0.15  # a strip begins where it differs so much from what lies beyond, as a share of its difference
 
 
 @dataclass(frozen=True)
 class _Strip:
-    """What lies between two lines of one edge: brightness, and where it ends [m]; None where that cannot be told."""
+    """What lies between two lines of one edge.
+
+    Attributes:
+        level: Its brightness [grey levels].
+        end: Where it ends along the edge, seen from beyond [m]; None where that cannot be told.
+        left: The same, seen from inside [m]; inf where it is not there at the corner.
+        middle: Across the edge [m].
+    """
 
     level: float
     end: float | None
+    left: float
     middle: float
 
 
@@ -56,24 +68,61 @@ def _strip(
     level = sight.level(edge, across, inner.tilt, corner + WELL[0], corner + WELL[1])
     along = np.arange(across_lines[-1].at(middle) + _END[0], across_lines[0].at(middle) + _END[1], PITCH)
     grey = sight.along(edge, across, inner.tilt, along)
+    return _Strip(level, _begins(along, grey, level), _left(along, grey, level), middle)
+
+
+def _begins(along: FloatArray, grey: FloatArray, level: float) -> float | None:
+    """Where a strip of that level begins, from beyond it; grey levels (n,) at `along` (n,) [m]."""
     beyond = median(grey[:20])
     off = np.abs(grey - beyond)
     begun = np.flatnonzero(off > max(_LEAST, _RISE * abs(level - beyond)))
     if abs(level - beyond) < _LEAST:
-        return _Strip(level, -np.inf if begun.size < 0.1 * off.size else None, middle)
+        return -np.inf if begun.size < 0.1 * off.size else None
     if not begun.size:
-        return _Strip(level, np.inf, middle)
+        return np.inf
     first = int(begun[0])
     plateau = median(grey[first + 5 : first + 12]) if first + 12 < grey.size else median(grey[-8:])
     over = np.flatnonzero(off[first:] > 0.5 * abs(plateau - beyond))
     last = first + (int(over[0]) if over.size else 0)
-    return _Strip(level, float(along[last] - 0.5 * PITCH), middle)
+    return float(along[last] - 0.5 * PITCH)
+
+
+def _left(along: FloatArray, grey: FloatArray, level: float) -> float:
+    """Where a strip of that level is left, from inside it; grey levels (n,) at `along` (n,) [m]."""
+    plateau = median(grey[-20:])
+    off = np.abs(grey - plateau)
+    if abs(plateau - level) > max(_LEAST, _RISE * level):
+        return np.inf
+    out = np.flatnonzero(off > max(_LEAST, _RISE * level))
+    if not out.size:
+        return -np.inf
+    last = int(out[-1])
+    beyond = median(grey[max(last - 12, 0) : max(last - 3, 1)])
+    over = np.flatnonzero(off > 0.5 * abs(plateau - beyond))
+    return float(along[over[-1]] + 0.5 * PITCH)
+
+
+@dataclass(frozen=True, eq=False)
+class Chosen:
+    """The line of each edge that is the edge of the face, and what was read of the others."""
+
+    lines: dict[str, EdgeLine]
+    read: tuple[_Edge, ...] = ()
+
+    def check(self) -> None:
+        """Whether brightness and end of every strip tell where it lies; by now nothing else spoke against the lines.
+
+        Raises:
+            WrongEdge: One does not.
+        """
+        for edge, other in zip(self.read, self.read[::-1], strict=True):
+            edge.check_told(other)
 
 
 def choose(
     picture: ByteArray, view: FaceView, lines: dict[str, list[EdgeLine]], corner: FloatArray
-) -> dict[str, EdgeLine]:
-    """The line of each edge that is the edge of the face.
+) -> Chosen:
+    """Tell the edges of the face from the lines beside them.
 
     Args:
         picture: Grey picture, shape (h, w), uint8.
@@ -87,13 +136,13 @@ def choose(
     sight = Surfaces(picture, view)
     place = {HINGE: float(corner[1]), BOTTOM: float(corner[0])}
     if all(len(found) == 1 for found in lines.values()):
-        return {edge: found[0] for edge, found in lines.items()}
+        return Chosen({edge: found[0] for edge, found in lines.items()})
     real = {}
     for edge, other in ((HINGE, BOTTOM), (BOTTOM, HINGE)):
         end = lines[other][-1].at(lines[edge][-1].at(place[edge]))
         shadows = [shaded(sight, edge, line, place[edge], end) for line in lines[edge]]
         real[edge] = [line for line, dark in zip(lines[edge], shadows, strict=True) if not dark]
-        if not real[edge]:
+        if not real[edge] or (any(shadows) and not _ends_face(sight, edge, real[edge][-1], place[edge], end)):
             raise WrongEdge(
                 f"what runs along the {edge} edge goes on beyond the door: a shadow's border, and outside of it no "
                 "step is to be seen; change the light",
@@ -107,7 +156,19 @@ def choose(
         read[edge].judge(read[other])
     found = {edge: read[edge].settle(read[HINGE if edge == BOTTOM else BOTTOM]) for edge in read}
     read[HINGE].check_agrees(read[BOTTOM], found)
-    return found
+    return Chosen(found, (read[HINGE], read[BOTTOM]))
+
+
+def _ends_face(sight: Surfaces, edge: str, line: EdgeLine, corner: float, end: float) -> bool:
+    """Whether what lies outside of a line is rather what lies beyond the face, where that ends, than the face.
+
+    A shadow's border so near to the edge of the face that the two look like one takes that away with it.
+    """
+    outer, inner = (line.across + sign * np.linspace(*BESIDE, 4) for sign in (-1.0, 1.0))
+    tilts = [line.tilt, line.tilt]
+    outside, face = sight.levels(edge, [outer, inner], tilts, corner + WELL[0], corner + WELL[1])
+    beyond, _ = sight.levels(edge, [outer, inner], tilts, end - 8.0e-3, end - 1.5e-3)
+    return abs(outside - face) > 0.5 * abs(beyond - face)
 
 
 class _Edge:
@@ -132,10 +193,15 @@ class _Edge:
         ratios = np.log(max(level, 1.0) / np.maximum([self.face, self.deep], 1.0))
         return float(ratios[np.argmin(np.abs(ratios))])
 
-    def like_face(self, strip: _Strip) -> bool:
-        """Whether a strip is as bright as the face, or further from the background than it."""
+    def like_face(self, k: int) -> bool:
+        """Whether strip k is as bright as the face, or further than it from what lies outside of both."""
+        strip = self.strips[k]
         near = abs(self.against_face(strip.level)) < _ALIKE
-        apart = (strip.level - self.back) / (self.face - self.back) if self.face != self.back else 0.0
+        # Beside a gap behind the door may lie a rail as bright as the face.
+        back = max(
+            [self.back, *(one.level for one in self.strips[k + 1 :])], key=lambda it: abs(it - self.face)
+        )
+        apart = (strip.level - back) / (self.face - back) if self.face != back else 0.0
         return bool(apart > 1 + _BEYOND or (near and apart > 0.5))
 
     def like_background(self, strip: _Strip) -> bool:
@@ -150,8 +216,8 @@ class _Edge:
                 continue
             near = [abs(strip.end - line.at(strip.middle)) for line in other.lines]
             self.ends.append(min(near) < _TOGETHER)
-        for k, strip in enumerate(self.strips):
-            if self.like_face(strip) and self.ends[k] is not False:
+        for k in range(len(self.strips)):
+            if self.like_face(k) and self.ends[k] is not False:
                 if not self.ends[k] and any(self.like_background(before) for before in self.strips[:k]):
                     raise self.doubt(0, k + 1)
                 # A bevel that catches the light is as bright as the face, or brighter; it ends beside it.
@@ -164,6 +230,53 @@ class _Edge:
                     raise self.doubt(k, k + 1)
                 self.first = k + 1
 
+    def check_told(self, other: _Edge) -> None:
+        """As of `Chosen.check`.
+
+        Tape across it is as bright on it as outside. A strip on the face does not reach the corner where that is
+        broken off, and seems to go on beyond it where something like it lies behind.
+
+        Raises:
+            WrongEdge: One does not.
+        """
+        last = len(self.strips) - 1
+        if self.strips:
+            inside = [self.strips[last].level]
+            if self._width(last) < _APART:
+                inside.append(self.face)  # the step of a line holds that of another so near to it
+            seen = max(abs(level - self.back) for level in inside)
+            hidden = seen < _SEEN_STEP * abs(self.lines[-1].step)
+            # Outside of a groove, which ends with the face, lies the face once more.
+            strips = max(abs(strip.level - self.deep) for strip in self.strips)
+            face_once_more = bool(self.ends[last]) and abs(self.back - self.deep) < _AS_FACE * strips
+            if hidden or face_once_more:
+                raise self.doubt(last, last + 1)
+        for k, strip in enumerate(self.strips):
+            # What is darker than a rail behind is a gap before that.
+            apart = (strip.level - self.back) / (self.face - self.back) if self.face != self.back else 1.0
+            if apart < _BACKGROUND or strip.end is None:
+                continue
+            short = strip.end > other.lines[0].at(strip.middle) + _TOGETHER
+            with_face = any(abs(strip.left - line.at(strip.middle)) < _TOGETHER for line in other.lines)
+            if (short and not self._cut_off(k, other)) or (with_face and not self.ends[k]):
+                raise self.doubt(k, k + 1)
+
+    def _cut_off(self, k: int, other: _Edge) -> bool:
+        """Whether strip k begins along a straight line, and the face beside it at its corner: no wood is missing."""
+        inner, wide = self.lines[k], self._width(k)
+        high, first = inner.at(self.corner), other.lines[0]
+        places = high + wide * np.concatenate([_ACROSS - 1.0, _ACROSS[-1:]])
+        start, stop = first.at(high) - _CLOSE[1], first.at(high) + WELL[1]
+        grey = self.sight.rows(
+            self.edge, places - inner.tilt * self.corner, inner.tilt, np.arange(start, stop, PITCH)
+        ).astype(float)
+        beyond, within = np.median(grey[:, :8], axis=1), np.median(grey[:, -100:], axis=1)
+        there = np.abs(grey - within[:, None]) < np.abs(grey - beyond[:, None])
+        # What begins is there from then on.
+        begins = PITCH * (there.shape[1] - np.argmin(there[:, ::-1], axis=1))
+        strip, face = begins[:-1], float(begins[-1])
+        return bool(np.ptp(strip) < _STRAIGHT and face < _CLOSE[1] + _STRAIGHT)
+
     def settle(self, other: _Edge) -> EdgeLine:
         """The edge of the face.
 
@@ -172,19 +285,25 @@ class _Edge:
         """
         k = self.first
         rest = self.strips[k:]
-        if rest and not self.like_background(rest[0]) and self.ends[k] is not False:
-            crossed = self._crossed(other)
-            if crossed is None and not other.strips[other.first :]:
-                if not self._flush(k, other):
-                    raise self.doubt(k, k + 1)
-                crossed = True
-            if crossed:
+        if rest and self._may_be_face(k):
+            while k < len(self.strips) and self._may_be_face(k):
+                crossed = self._crossed(other)
+                if crossed is None and not other.strips[other.first :]:
+                    if not self._flush(k, other):
+                        raise self.doubt(k, k + 1)
+                    crossed = True
+                if not crossed:
+                    break
                 k += 1
         elif k and self._framed(other):
             raise self.doubt(0, k)
         elif rest and (self._turns_round(k, other) or self._ends_with_face(k, other)):
             raise self.doubt(k, k + 1)
         return self.lines[k]
+
+    def _may_be_face(self, k: int) -> bool:
+        """Whether strip k is no background, and does not end elsewhere than the face does."""
+        return not self.like_background(self.strips[k]) and self.ends[k] is not False
 
     def _flush(self, k: int, other: _Edge) -> bool:
         """Whether strip k ends at the other edge where the face beside it does, closer than a bevel's end would.

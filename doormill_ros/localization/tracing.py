@@ -122,7 +122,9 @@ def _step_aside(
         others = [replace(line, across=across, step=step) for across, step in near]
         here[edge] = line
         lines[edge] = sorted([*others, line], key=lambda one: -one.across)
-    found = choose(picture, view, lines, poses[HINGE][:2])
+    layers = choose(picture, view, lines, poses[HINGE][:2])
+    layers.check()
+    found = layers.lines
     moved = False
     for i, edge in enumerate(EDGES):
         if found[edge] is here[edge]:

@@ -56,27 +56,37 @@ class EdgePieces:
         Args:
             residual: Distance of the points from the line [m], shape (n,).
         """
+        return max(self.variances(residual))
+
+    def variances(self, residual: FloatArray) -> tuple[float, float]:
+        """The same by the line's place and by its slope [m^2].
+
+        Args:
+            residual: Distance of the points from the line [m], shape (n,).
+        """
         weighted = self._weight * residual
         sums = np.bincount(self._third, weights=weighted).astype(float)
         white = float(weighted.dot(weighted)) / self._total
-        wander = self._single.variance(sums)
+        wander = max(self._single.variance(sums), white)
         # Waves longer than a piece of edge leave more in longer pieces, of which there are few: only waves show in
         # deviations that last over several millimetres.
         if white > _LEAST_WAVES**2 and _lasting(sums) > _WAVY:
-            wander = max(wander, self._by_waves(sums), *(_WAVES * one.variance(sums) for one in self._longer))
-        return max(wander, white)
+            wander = max(wander, *(_WAVES * one.variance(sums) for one in self._longer))
+            place, slope = self._by_waves(sums)
+            return max(wander, place), max(wander, slope)
+        return wander, wander
 
-    def _by_waves(self, sums: FloatArray) -> float:
-        """The variance by the waves themselves; `sums` (n,) of weighted residuals in thirds of a piece."""
+    def _by_waves(self, sums: FloatArray) -> tuple[float, float]:
+        """The variances by the waves themselves; `sums` (n,) of weighted residuals in thirds of a piece."""
         used = self._squares > _USED * self._squares.max()
         if used.sum() < _FEWEST:
-            return 0.0
+            return 0.0, 0.0
         weights = np.bincount(self._third, weights=self._weight)
         place, slope = line_variances(sums[used] / weights[used], used, _PIECE / 3)
         total = float(self._weight.sum())
         lever = self._along - float(self._weight.dot(self._along)) / total
         weighted = self._weight * lever
-        return max(
+        return (
             place * total**2 / self._total,
             slope * float(weighted.dot(lever)) ** 2 / float(weighted.dot(weighted)),
         )

@@ -88,7 +88,7 @@ def _condition(
     return keep
 
 
-def _plain(rng: np.random.Generator, camera: SceneCamera, layout: CellLayout) -> PictureScene:
+def plain_scene(rng: np.random.Generator, camera: SceneCamera, layout: CellLayout) -> PictureScene:
     """A door in good light: little texture, clear step, in focus."""
     limits = layout.limits
     offset = DoorOffset(*(rng.uniform(-0.9, 0.9, 3) * [limits.y, limits.z, limits.rotation]))
@@ -362,7 +362,7 @@ def pictures(name: str, count: int, seed: int = 7) -> Iterator[ConditionPicture]
     extra = float(name.split(" ")[0]) * MM if name.endswith("than its recipe") else 0.0
     for number in range(count):
         rng = np.random.default_rng((seed, number, *name.encode()))
-        scene = condition.change(_plain(rng, camera, layout), rng)
+        scene = condition.change(plain_scene(rng, camera, layout), rng)
         thickness, scene = scene.thickness, replace(scene, thickness=scene.thickness + extra)
         has = condition.fair, condition.marked, condition.beams, condition.bow
         yield ConditionPicture(name, *has, scene, thickness, int(rng.integers(2**31)))
