@@ -1,0 +1,244 @@
+"""The steps along one edge: which strips between them belong to the face by brightness, end and what crosses them."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+
+from doormill_ros.localization.edge_line import EdgeLine
+from doormill_ros.localization.errors import WrongEdge
+from doormill_ros.localization.shade import BESIDE, PITCH, WELL, Surfaces
+from doormill_ros.localization.strips import ACROSS, LEAST, Strip, read_strip
+from doormill_ros.localization.view import HINGE
+from doormill_ros.statistics import median
+from doormill_ros.units import m_to_mm
+
+_ALIKE = 0.19  # surfaces whose brightness differs by less in its logarithm may be of one plane and one light
+# A strip further from the background than the face by that share of their difference lies before it
+_BEYOND = 0.03
+#: A strip nearer to the background than that share of the face's difference from it is background.
+BACKGROUND = 0.2
+TOGETHER = 0.25e-3  #: a strip that ends so near to the other edge ends with it [m]
+_TWIN = 0.7  # strips along both edges that are one differ by less than that factor in width
+_CROSSED = 0.07  # strips fainter than that in the logarithm tell nothing where they cross
+_BRIGHT = 225.0  # strips brighter than that may be clipped where they cross [grey levels]
+#: Where a strip's end is looked for that is to be placed exactly, beyond and within the other edge [m].
+CLOSE = (-1.2e-3, 1.5e-3)
+_TOLD, _AS_FLUSH = 0.06e-3, 0.33  # a bevel's end is seen from so far out [m], and a strip's nearer is flush
+
+
+class EdgeLayers:
+    """The lines of one edge, the strips between them, and what is known of each.
+
+    Attributes:
+        sight: The picture.
+        edge: "hinge" or "bottom".
+        lines: From the inside outwards.
+        corner: Where they meet the other edge [m].
+        strips: Between neighbouring lines.
+        face, deep: Brightness of the face beside the innermost line and further inside [grey levels].
+        back: Brightness outside of the outermost line [grey levels].
+        first: Number of the innermost line that may be the face's edge.
+        ends: Of each strip, whether it ends at the other edge; None where that cannot be told.
+    """
+
+    def __init__(
+        self, sight: Surfaces, edge: str, lines: list[EdgeLine], corner: float, across_lines: list[EdgeLine]
+    ) -> None:
+        """Read the strips; the arguments as of the attributes, and the lines of the other edge."""
+        self.sight, self.edge, self.lines, self.corner = sight, edge, lines, corner
+        self.strips = [read_strip(sight, edge, a, b, corner, across_lines) for a, b in pairwise(lines)]
+        beside = np.linspace(*BESIDE, 4)
+        start, stop = corner + WELL[0], corner + WELL[1]
+        deep = np.linspace(5.0e-3, 25.0e-3, 6)
+        across = [lines[0].across + beside, lines[-1].across - beside, lines[0].across + deep]
+        tilts = [lines[0].tilt, lines[-1].tilt, lines[0].tilt]
+        self.face, self.back, self.deep = sight.levels(edge, across, tilts, start, stop)
+        self.first = 0
+        self.ends: list[bool | None] = []
+
+    def against_face(self, level: float) -> float:
+        """Logarithm of a level over the face's, which a groove beside the innermost line hides: of two, the nearer."""
+        ratios = np.log(max(level, 1.0) / np.maximum([self.face, self.deep], 1.0))
+        return float(ratios[np.argmin(np.abs(ratios))])
+
+    def like_face(self, k: int) -> bool:
+        """Whether strip k is as bright as the face, or further than it from what lies outside of both."""
+        strip = self.strips[k]
+        near = abs(self.against_face(strip.level)) < _ALIKE
+        # Beside a gap behind the door may lie a rail as bright as the face.
+        back = max(
+            [self.back, *(one.level for one in self.strips[k + 1 :])], key=lambda it: abs(it - self.face)
+        )
+        apart = (strip.level - back) / (self.face - back) if self.face != back else 0.0
+        return bool(apart > 1 + _BEYOND or (near and apart > 0.5))
+
+    def like_background(self, strip: Strip) -> bool:
+        """Whether a strip is as dark or bright as the background."""
+        return abs(strip.level - self.back) < max(BACKGROUND * abs(self.face - self.back), 0.5 * LEAST)
+
+    def judge(self, other: EdgeLayers) -> None:
+        """Where the strips end, and which of them belong to the face by their brightness and their end."""
+        for strip in self.strips:
+            if strip.end is None:
+                self.ends.append(None)
+                continue
+            near = [abs(strip.end - line.at(strip.middle)) for line in other.lines]
+            self.ends.append(min(near) < TOGETHER)
+        for k in range(len(self.strips)):
+            if self.like_face(k) and self.ends[k] is not False:
+                if not self.ends[k] and any(self.like_background(before) for before in self.strips[:k]):
+                    raise self.doubt(0, k + 1)
+                # A bevel that catches the light is as bright as the face, or brighter; it ends beside it.
+                if (
+                    k == 0
+                    and not other.strips
+                    and self._bevelled(k, other) > _TOLD
+                    and not self._flush(k, other)
+                ):
+                    raise self.doubt(k, k + 1)
+                self.first = k + 1
+
+    def settle(self, other: EdgeLayers) -> EdgeLine:
+        """The edge of the face.
+
+        Raises:
+            WrongEdge: A strip beside it may belong to the face or not.
+        """
+        k = self.first
+        rest = self.strips[k:]
+        if rest and self._may_be_face(k):
+            while k < len(self.strips) and self._may_be_face(k):
+                crossed = self._crossed(other)
+                if crossed is None and not other.strips[other.first :]:
+                    if not self._flush(k, other):
+                        raise self.doubt(k, k + 1)
+                    crossed = True
+                if not crossed:
+                    break
+                k += 1
+        elif k and self._framed(other):
+            raise self.doubt(0, k)
+        elif rest and (self._turns_round(k, other) or self._ends_with_face(k, other)):
+            raise self.doubt(k, k + 1)
+        return self.lines[k]
+
+    def _may_be_face(self, k: int) -> bool:
+        """Whether strip k is no background, and does not end elsewhere than the face does."""
+        return not self.like_background(self.strips[k]) and self.ends[k] is not False
+
+    def _flush(self, k: int, other: EdgeLayers) -> bool:
+        """Whether strip k ends at the other edge where the face beside it does, closer than a bevel's end would.
+
+        A bevel lies on average half its width behind the face, and what lies behind seems nearer to the optical axis.
+        """
+        inner, wide = self.lines[k], self.width(k)
+        high = inner.at(self.corner)
+        places = high + wide * np.stack([ACROSS - 1.0, ACROSS])
+        across = other.lines[other.first]
+        start, stop = across.at(high) + CLOSE[0], across.at(high) + CLOSE[1]
+        along = np.arange(start, stop, 0.5 * PITCH)
+        ends = []
+        for place in places:
+            grey = self.sight.along(self.edge, place - inner.tilt * self.corner, inner.tilt, along)
+            beyond, within = median(grey[:8]), median(grey[-8:])
+            if abs(within - beyond) < LEAST:
+                return False
+            rise = (grey - beyond) / (within - beyond)
+            first = int(np.argmax(rise > 0.5))
+            if not first:
+                return False
+            before, after = float(rise[first - 1]), float(rise[first])
+            at = float(along[first - 1]) + (0.5 - before) / (after - before) * 0.5 * PITCH
+            ends.append(at - across.at(float(place.mean())))
+        bevelled = self._bevelled(k, other)
+        return bevelled > _TOLD and abs(ends[0] - ends[1]) < _AS_FLUSH * bevelled
+
+    def _bevelled(self, k: int, other: EdgeLayers) -> float:
+        """How far from the face's own end strip k would seem to end if it were a bevel of 45 degrees [m]."""
+        high = self.lines[k].at(self.corner)
+        end = other.lines[other.first].at(high)
+        run = 1 if self.edge == HINGE else 0
+        point = np.array([high, end] if self.edge == HINGE else [end, high])
+        return abs(float(self.sight.view.sight(point)[run])) * 0.5 * self.width(k)
+
+    def check_agrees(self, other: EdgeLayers, found: dict[str, EdgeLine]) -> None:
+        """Whether a strip that was taken for a part of the face has no twin along the other edge that was not.
+
+        Args:
+            other: The other edge.
+            found: What was taken for the edges of the face.
+
+        Raises:
+            WrongEdge: It has: one plane or bevel runs round the corner.
+        """
+        for one, two in ((self, other), (other, self)):
+            k, j = one.lines.index(found[one.edge]), two.lines.index(found[two.edge])
+            if k and j < len(two.strips):
+                mine, its = one.against_face(one.strips[k - 1].level), two.against_face(two.strips[j].level)
+                wide = two.width(j) / one.width(k - 1)
+                if abs(mine - its) < _CROSSED and _TWIN < wide < 1.0 / _TWIN:
+                    raise one.doubt(k - 1, k)
+
+    def _turns_round(self, k: int, other: EdgeLayers) -> bool:
+        """Whether strip k, hardly brighter or darker than the background, goes round the corner as a band would.
+
+        It ends beyond the other edge by its own width: there its twin ends, which is too faint to be seen.
+        """
+        strip = self.strips[k]
+        if strip.end is None or not np.isfinite(strip.end) or not self.like_background(strip):
+            return False
+        beyond = other.lines[other.first].at(strip.middle) - strip.end
+        return self._seen(strip) and abs(beyond - self.width(k)) < TOGETHER
+
+    def _ends_with_face(self, k: int, other: EdgeLayers) -> bool:
+        """Whether strip k, hardly brighter or darker than the background, ends just where a band on the face would."""
+        return bool(self.ends[k]) and self._seen(self.strips[k]) and self._flush(k, other)
+
+    def _seen(self, strip: Strip) -> bool:
+        """Whether a strip differs from the background by so much that its border can be placed."""
+        return abs(strip.level - self.back) > LEAST
+
+    def width(self, k: int) -> float:
+        """Of a strip at the corner [m]."""
+        return abs(self.lines[k].at(self.corner) - self.lines[k + 1].at(self.corner))
+
+    def _framed(self, other: EdgeLayers) -> bool:
+        """Whether strips as bright as the face run round its corner uncrossed: a frame, or another door behind."""
+        return bool(other.first and self._crossed(other) is False)
+
+    def _crossed(self, other: EdgeLayers) -> bool | None:
+        """Whether the outermost strips of both edges cross, as strips on one plane do; None if that cannot be told."""
+        if not self.strips or not other.strips:
+            return None
+        mine, its = self.strips[-1], other.strips[-1]
+        one, two = (e.against_face(s.level) for s, e in ((mine, self), (its, other)))
+        if min(abs(one), abs(two)) < _CROSSED or one * two < 0 or max(mine.level, its.level) > _BRIGHT:
+            return None
+        low, high = self.lines[-1].at(self.corner), self.lines[-2].at(self.corner)
+        across = low + ACROSS * (high - low) - self.lines[-1].tilt * self.corner
+        begin, stop = other.lines[-1].at(low), other.lines[-2].at(low)
+        width = stop - begin
+        square = self.sight.level(
+            self.edge, across, self.lines[-1].tilt, begin + 0.3 * width, stop - 0.3 * width + PITCH
+        )
+        found = self.against_face(square)
+        return bool(abs(found - one - two) < abs(found - 0.5 * (one + two)))
+
+    def doubt(self, inner: int, outer: int) -> WrongEdge:
+        """The refusal of two steps of which each may be the edge of the face."""
+        first, second = self.lines[inner], self.lines[outer]
+        apart = abs(first.at(self.corner) - second.at(self.corner))
+        strip = self.strips[outer - 1]
+        return WrongEdge(
+            f"two steps {m_to_mm(apart):.1f} mm apart may be the {self.edge} edge: the inner one of "
+            f"{abs(first.step):.0f} grey levels if the strip outside of it (grey {strip.level:.0f}, face "
+            f"{self.face:.0f}) lies behind the face, the outer one of {abs(second.step):.0f} if it is a band or a "
+            "shadow on the face; change the light or cover what stands behind",
+            edge=self.edge,
+            marks=tuple(
+                (name, self.sight.view.pixels(line.points(self.edge, self.corner)))
+                for name, line in (("inner", first), ("outer", second))
+            ),
+        )
