@@ -9,7 +9,7 @@ import numpy as np
 from doormill_ros.localization.edge_line import EdgeLine
 from doormill_ros.localization.errors import WrongEdge
 from doormill_ros.localization.shade import BESIDE, PITCH, WELL, Surfaces
-from doormill_ros.localization.strips import ACROSS, LEAST, Strip, read_strip
+from doormill_ros.localization.strips import ACROSS, LEAST, EdgeStrip, read_strip
 from doormill_ros.localization.view import HINGE
 from doormill_ros.statistics import median
 from doormill_ros.units import m_to_mm
@@ -74,7 +74,7 @@ class EdgeLayers:
         apart = (strip.level - back) / (self.face - back) if self.face != back else 0.0
         return bool(apart > 1 + _BEYOND or (near and apart > 0.5))
 
-    def like_background(self, strip: Strip) -> bool:
+    def like_background(self, strip: EdgeStrip) -> bool:
         """Whether a strip is as dark or bright as the background."""
         return abs(strip.level - self.back) < max(BACKGROUND * abs(self.face - self.back), 0.5 * LEAST)
 
@@ -196,7 +196,7 @@ class EdgeLayers:
         """Whether strip k, hardly brighter or darker than the background, ends just where a band on the face would."""
         return bool(self.ends[k]) and self._seen(self.strips[k]) and self._flush(k, other)
 
-    def _seen(self, strip: Strip) -> bool:
+    def _seen(self, strip: EdgeStrip) -> bool:
         """Whether a strip differs from the background by so much that its border can be placed."""
         return abs(strip.level - self.back) > LEAST
 

@@ -19,7 +19,7 @@ _RISE = 0.15  # a strip begins where it differs so much from what lies beyond, a
 
 
 @dataclass(frozen=True)
-class Strip:
+class EdgeStrip:
     """What lies between two lines of one edge.
 
     Attributes:
@@ -37,7 +37,7 @@ class Strip:
 
 def read_strip(
     sight: Surfaces, edge: str, inner: EdgeLine, outer: EdgeLine, corner: float, across_lines: list[EdgeLine]
-) -> Strip:
+) -> EdgeStrip:
     """What lies between two lines of an edge.
 
     Args:
@@ -54,7 +54,7 @@ def read_strip(
     level = sight.level(edge, across, inner.tilt, corner + WELL[0], corner + WELL[1])
     along = np.arange(across_lines[-1].at(middle) + _END[0], across_lines[0].at(middle) + _END[1], PITCH)
     grey = sight.along(edge, across, inner.tilt, along)
-    return Strip(level, _begins(along, grey, level), _left(along, grey, level), middle)
+    return EdgeStrip(level, _begins(along, grey, level), _left(along, grey, level), middle)
 
 
 def _begins(along: FloatArray, grey: FloatArray, level: float) -> float | None:
