@@ -126,6 +126,15 @@ def test_a_shallow_chip_in_the_corner_is_no_second_edge(edge, long, deep, camera
     assert off(found()) < 0.05 * MM
 
 
+@pytest.mark.parametrize(
+    ("edge", "long", "deep"), [("hinge", 5.0, 0.12), ("bottom", 6.0, 0.16), ("bottom", 9.0, 0.18)]
+)
+def test_a_chip_that_leads_back_to_the_edge_is_no_second_one(edge, long, deep, camera, layout):
+    edges = replace(PLAIN.edges, chips=(Chip(edge, 0.0, 2 * long * MM, deep * MM),))
+    _, found = look(camera, layout, edges=edges)
+    assert off(found()) < 0.05 * MM
+
+
 def test_joints_of_a_wall_behind_do_no_harm(camera, layout):
     joints = [
         box("bottom", at, at + 2.0, -60.0, 300.0, 0.1, behind=True) for at in np.arange(-31.3, 0.0, 6.0)
