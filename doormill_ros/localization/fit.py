@@ -82,7 +82,12 @@ def weighted_line(products: FloatArray, weight: FloatArray) -> tuple[float, floa
 
 
 def fit_line(
-    along: FloatArray, across: FloatArray, usable: BoolArray, guess: tuple[float, float], rounds: int = 4
+    along: FloatArray,
+    across: FloatArray,
+    usable: BoolArray,
+    guess: tuple[float, float],
+    rounds: int = 4,
+    waves: bool = True,
 ) -> LineFit:
     """Robust line through edge points.
 
@@ -92,6 +97,7 @@ def fit_line(
         usable: Points that may take part, at least four, shape (n,), bool.
         guess: Across at along = 0 [m], and slope.
         rounds: Rounds of reweighting, after two with least absolute distances.
+        waves: Whether what lasts along it is asked for the length of its waves; a wrong lens bends edges alike.
     """
     x, y = along[usable], across[usable]
     residual = y - guess[0] - guess[1] * x
@@ -132,7 +138,7 @@ def fit_line(
     bend = float(weight.dot(arc * residual)) / stiffness
     if rounds > 2:
         pieces = EdgePieces(x, weight)
-        for_place, for_slope = pieces.variances(residual)
+        for_place, for_slope = pieces.variances(residual, waves)
         freedom = pieces.freedom
         straightened = pieces.variance(residual - bend * arc)
     else:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from math import cos, sin
+from math import cos, isfinite, sin
 
 import numpy as np
 
@@ -52,13 +52,13 @@ class Trace:
     plain: bool
 
 
-def _line(view: FaceView, profiles: Profiles, pose: FloatArray, rounds: int) -> LineFit:
+def _line(view: FaceView, profiles: Profiles, pose: FloatArray, rounds: int, waves: bool = False) -> LineFit:
     """Line through an edge's points on the plane of the face."""
     y, z = view.points(profiles.pixels).T
     tilt = np.tan(pose[2])
     if profiles.edge == HINGE:
-        return fit_line(z, y, profiles.edge_like, (pose[0] + tilt * pose[1], -tilt), rounds)
-    return fit_line(y, z, profiles.edge_like, (pose[1] - tilt * pose[0], tilt), rounds)
+        return fit_line(z, y, profiles.edge_like, (pose[0] + tilt * pose[1], -tilt), rounds, waves)
+    return fit_line(y, z, profiles.edge_like, (pose[1] - tilt * pose[0], tilt), rounds, waves)
 
 
 def _poses(lines: dict[str, LineFit]) -> dict[str, FloatArray]:
@@ -237,7 +237,7 @@ def _read(
         for edge, beside in around.items():
             profiles[edge] = measure(picture, view, edge, poses[edge], beside.weights)
             checks.check_rows(profiles[edge], settings)
-            lines[edge] = _line(view, profiles[edge], poses[edge], 4)
+            lines[edge] = _line(view, profiles[edge], poses[edge], 4, isfinite(settings.straightness_limit))
         before, poses = poses, _poses(lines)
         moved = _moved(view, before, poses)
         if moved < _NEAR:

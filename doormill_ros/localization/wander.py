@@ -25,7 +25,8 @@ _WAVES = 2.0
 _WAVY = 0.5  # deviations 4 mm apart that go together so much are waves
 _USED = 0.2  # share of the largest weight from which a piece counts
 _FEWEST = 8  # thirds of pieces that tell of waves
-_LEAST_WAVES = 5.0e-6  # waves smaller than that are left to the other pieces [m]
+_LEAST_WAVES = 8.0e-6  # waves smaller than that are left to the other pieces [m]
+_LEAST_LONG = 5.0e-6  # and such that look like another line are asked for their length from that on [m]
 
 
 class EdgePieces:
@@ -58,11 +59,12 @@ class EdgePieces:
         """
         return max(self.variances(residual))
 
-    def variances(self, residual: FloatArray) -> tuple[float, float]:
+    def variances(self, residual: FloatArray, waves: bool = True) -> tuple[float, float]:
         """The same by the line's place and by its slope [m^2].
 
         Args:
             residual: Distance of the points from the line [m], shape (n,).
+            waves: Whether waves are asked for their own length, too.
         """
         weighted = self._weight * residual
         sums = np.bincount(self._third, weights=weighted).astype(float)
@@ -70,8 +72,10 @@ class EdgePieces:
         wander = max(self._single.variance(sums), white)
         # Waves longer than a piece of edge leave more in longer pieces, of which there are few: only waves show in
         # deviations that last over several millimetres.
-        if white > _LEAST_WAVES**2 and _lasting(sums) > _WAVY:
+        lasting = _lasting(sums) > _WAVY
+        if lasting and white > _LEAST_WAVES**2:
             wander = max(wander, *(_WAVES * one.variance(sums) for one in self._longer))
+        if waves and lasting and white > _LEAST_LONG**2:
             place, slope = self._by_waves(sums)
             return max(wander, place), max(wander, slope)
         return wander, wander
