@@ -182,8 +182,7 @@ class ControllerSimulator(ManagedNode):
         if placement.run_id == self._ended:
             return
         self._halt()
-        self._door = self._shift.begin()
-        self._cell.limits = self._door.limits
+        self._cell.limits = self._shift.begin().limits
         with self._told:
             self._placement, self._cell.spindle.work = placement, None
             self._give_work()
@@ -203,7 +202,8 @@ class ControllerSimulator(ManagedNode):
         if self._cell.spindle.work is None:
             pictured = transform_of(placement.pose)
             door = CutDoor(recipe_of(recipe), self._shift.T_base_door(pictured))
-            self._cell.spindle.work = SpindleWork(door, self._door.hardness, self._door.drawn(LOAD))
+            truth = self._shift.door
+            self._cell.spindle.work = SpindleWork(door, truth.hardness, truth.drawn(LOAD))
 
     def _halt(self) -> None:
         with self._told:
@@ -266,7 +266,8 @@ class ControllerSimulator(ManagedNode):
         header = self._header(DOOR_FRAME)
         self._publish(self._verdict, verdict_message(judged.verdict, header, placement))
         if self.value("inspection") or self.value("gauged"):
-            self._tell_gauged(gauge(door, T_base_door, executed, self._door.drawn(GAUGE)), placement.run_id)
+            noise = self._shift.door.drawn(GAUGE)
+            self._tell_gauged(gauge(door, T_base_door, executed, noise), placement.run_id)
         parts = judged.corrected, judged.uncorrected
         self._publish(self._milled, milled_message(door, *parts, TOLERANCE, header, placement))
         self._say("door milled", door_id=placement.door_id, deviation=judged.corrected.max_deviation)

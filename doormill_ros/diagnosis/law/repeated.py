@@ -6,6 +6,7 @@ made on them: Stone, Cross-validatory choice and assessment of statistical predi
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Generic
 
 import numpy as np
@@ -41,10 +42,7 @@ class Repeated(Generic[C]):
 
     def unseen_residual(self, most: int) -> FloatArray | None:
         """What causes and `most` laws leave of rows unseen, shape (n, c); None if no less than the causes alone."""
-        problem, kept = self._problem, self._kept
-        causes = np.zeros((len(problem), problem.components))
-        for out, one in self._again:
-            causes[out] = self._white(one.starts()[0])[out]
+        problem, kept, causes = self._problem, self._kept, self._by_causes
         laws = np.zeros_like(causes)
         for out, one in self._again:
             laws[out] = self._white(one.at_most(most).run())[out]
@@ -55,6 +53,14 @@ class Repeated(Generic[C]):
         of_each = np.bincount(np.unique(problem.configuration[kept], return_inverse=True)[1], weights=gain)
         drawn = of_each[resampled(len(of_each), _DRAWS)].sum(axis=1)
         return problem.measured_part(laws) if np.quantile(drawn, _CHANCE) > 0.0 else None
+
+    @cached_property
+    def _by_causes(self) -> FloatArray:
+        """What the causes alone leave of rows unseen, in standard deviations, shape (n, c)."""
+        causes = np.zeros((len(self._problem), self._problem.components))
+        for out, one in self._again:
+            causes[out] = self._white(one.starts()[0])[out]
+        return causes
 
     def _white(self, found: Fit[C]) -> FloatArray:
         return self._problem.predict(found.members, found.theta).white
