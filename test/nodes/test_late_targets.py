@@ -48,7 +48,7 @@ def test_a_door_is_measured_though_the_simulator_hears_late_by_what_it_was_mille
         thread.start()
         # The robot has gone home and says so before anybody measures its door.
         cell.wait(lambda: any(message.state == "done" for message in status))
-        assert not ended
+        assert not ended, ended
         with stranger() as node:
             # At once: DDS makes the two known to each other only after that.
             node.create_publisher(late.type, HELD[late.name], late.offered).publish(messages[-1])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
@@ -15,7 +15,7 @@ from doormill_ros.diagnosis.core.examination import Examination
 from doormill_ros.diagnosis.core.finding import Finding, make_findings
 from doormill_ros.diagnosis.core.fit import Fit
 from doormill_ros.diagnosis.core.fit_examiner import FitExaminer
-from doormill_ros.diagnosis.core.judgement import Judgement, Question, judge_question
+from doormill_ros.diagnosis.core.judgement import Judgement, Question, judge_question, weighed
 from doormill_ros.diagnosis.core.problem import C, Examined
 from doormill_ros.diagnosis.core.robust import gross_errors
 from doormill_ros.diagnosis.core.stability import clustered, turned_joint
@@ -29,25 +29,38 @@ class Diagnosis(Judgement[C, Fit[C]], Generic[P, C]):
     """Everything that a diagnosis knows.
 
     Attributes:
-        problem: The set made ready.
-        search: All models that were tried.
+        question: The set made ready, and all models that were tried.
         findings: Established causes.
         outliers: Trial numbers.
         remarks: Sentences for the reader.
         characterised: Laws without a name for what the findings leave, where any was found.
     """
 
-    problem: P
-    search: BeamSearch[C]
+    question: FittedQuestion[P, C]
     findings: tuple[Finding[C], ...]
     outliers: tuple[int, ...]
     remarks: tuple[str, ...]
     characterised: Characterised[C] | None = None
 
     @property
+    def problem(self) -> P:
+        """The set made ready."""
+        return self.question.problem
+
+    @property
+    def search(self) -> BeamSearch[C]:
+        """All models that were tried."""
+        return self.question.models
+
+    @property
     def kept(self) -> BoolArray:
         """Trials that count, shape (n,)."""
         return np.asarray(self.examination.kept, dtype=bool)
+
+    def less(self, causes: Sequence[C], why: str) -> Diagnosis[P, C]:
+        """The same without some names, for a reason, weighed anew and without laws."""
+        extended = self.search.without(self.extended, *causes)
+        return _told(self.question, weighed(self.question, self.examination.fewer(causes, why, extended)))
 
 
 def diagnose_problem(problem: P, progress: Callable[[str], None] = lambda line: None) -> Diagnosis[P, C]:
@@ -56,20 +69,22 @@ def diagnose_problem(problem: P, progress: Callable[[str], None] = lambda line: 
         f"{len(problem)} trials in {len(np.unique(problem.configuration))} configurations, "
         f"noise floor {problem.unit.figure(problem.noise_floor)} {problem.unit.told}"
     )
-    question: _Fitted[P, C] = _Fitted(problem)
-    found = judge_question(question, progress)
+    question: FittedQuestion[P, C] = FittedQuestion(problem)
+    return _told(question, judge_question(question, progress))
+
+
+def _told(question: FittedQuestion[P, C], found: Judgement[C, Fit[C]]) -> Diagnosis[P, C]:
     problem, examination = question.problem, found.examination
     return Diagnosis(
         **vars(found),
-        problem=problem,
-        search=question.models,
+        question=question,
         findings=make_findings(question.models, examination, not question.at_noise(examination.best)),
         outliers=tuple(int(t) for t in problem.labels()[~examination.kept]),
         remarks=_remarks(problem, examination),
     )
 
 
-class _Fitted(Question[C, Fit[C]], Generic[P, C]):
+class FittedQuestion(Question[C, Fit[C]], Generic[P, C]):
     """A problem with all models of it that were fitted.
 
     Attributes:
@@ -102,11 +117,11 @@ class _Fitted(Question[C, Fit[C]], Generic[P, C]):
         return ~gross_errors(best.prediction.cost, self.problem.components)
 
     def train_rmse(self, model: Fit[C], kept: BoolArray) -> float:
-        """Of fitted trials."""
+        """Of fitted trials; `kept` marks those that count, shape (n,)."""
         return rmse(self.problem.measured_part(model.prediction.white), kept, self.problem.components)
 
     def holdout_rmse(self, model: Fit[C], kept: BoolArray) -> float:
-        """Of trials left out."""
+        """Of trials left out; `kept` marks those that count, shape (n,)."""
         return rmse(model.held_out, kept, self.problem.components)
 
     def holdout_squares(self, model: Fit[C], kept: BoolArray) -> FloatArray:

@@ -65,8 +65,17 @@ class Examination(Generic[K, M]):
 
     def withdrawn(self) -> Self:
         """The same with nothing named."""
-        refused = (*self.refused, *((cause, MOST_REMAINS) for cause in self.named))
-        return replace(self, extended=self.baseline, named=(), refused=refused, doubles=())
+        return self.fewer(self.named, MOST_REMAINS, self.baseline)
+
+    def fewer(self, causes: Sequence[K], why: str, extended: M) -> Self:
+        """The same with fewer names, for a reason; `extended` is the model of the others."""
+        return replace(
+            self,
+            extended=extended,
+            named=tuple(cause for cause in self.named if cause not in causes),
+            refused=(*self.refused, *((cause, why) for cause in causes)),
+            doubles=(),
+        )
 
 
 #: Of some kind of cause and model.

@@ -15,14 +15,18 @@ from doormill_ros.diagnosis.law.labels import not_tried, without_labels
 from doormill_ros.diagnosis.law.search import LawSearch
 from doormill_ros.diagnosis.loading.law_place import place_of
 from doormill_ros.diagnosis.loading.problem import LoadingDiagnosis
-from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
+from doormill_ros.robot_model.elastic.causes.cause import ElasticCause, index
+from doormill_ros.robot_model.elastic.causes.joint_cross_compliance import JointCrossCompliance
 from doormill_ros.robot_model.elastic.causes.registry import candidates
 from doormill_ros.robot_model.elastic.law.dictionary import dictionary
 from doormill_ros.robot_model.extended_model import SizedCause
 
+#: Why a cause is not named that stands where a law acts.
+MEAN_PART = "a law without a name acts at the same place, and it may be the mean of that"
+
 
 def with_laws(diagnosis: LoadingDiagnosis, progress: Progress = lambda line: None) -> LoadingDiagnosis:
-    """The diagnosis with laws for what its causes leave."""
+    """The diagnosis with laws for what its causes leave, and without names that these take back."""
     if not remains(diagnosis.verdict):
         return diagnosis
     problem, extended = diagnosis.problem, diagnosis.extended
@@ -34,6 +38,9 @@ def with_laws(diagnosis: LoadingDiagnosis, progress: Progress = lambda line: Non
     terms = [term for term in (*known, *laws) if term.key not in keys]
     search = LawSearch(problem, extended.members, extended.theta, terms, place_of, progress)
     found, why = characterise(search, diagnosis.kept)
+    if found is not None and (parts := _mean_parts(diagnosis, found)):
+        progress(f"beside a law no name for {', '.join(map(repr, parts))}")
+        return with_laws(diagnosis.less(parts, MEAN_PART), progress)
     remains_still = found is None or found.holdout_rmse >= AT_NOISE * problem.noise_floor
     remarks = [*([why] if why else []), *([not_tried(labels)] if labels and remains_still else [])]
     told = replace(diagnosis, characterised=found, remarks=(*diagnosis.remarks, *remarks))
@@ -44,6 +51,24 @@ def with_laws(diagnosis: LoadingDiagnosis, progress: Progress = lambda line: Non
     return replace(
         told, findings=make_findings(diagnosis.search, diagnosis.examination, structure, found.fit)
     )
+
+
+def _mean_parts(diagnosis: LoadingDiagnosis, found: Characterised[ElasticCause]) -> list[ElasticCause]:
+    """Named causes at the place of a law, or at an end of its link; one with a kink is the mean of no law."""
+    places = {law.where for law in found.laws}
+    return [
+        cause
+        for cause in diagnosis.examination.named
+        if not cause.kinked and (place_of(cause).where in places or not places.isdisjoint(_links_at(cause)))
+    ]
+
+
+def _links_at(cause: ElasticCause) -> set[str]:
+    """The links that end in a bearing which tilts."""
+    if not isinstance(cause, JointCrossCompliance):
+        return set()
+    before = index(cause.where)
+    return {f"link {before}", f"link {before + 1}"}
 
 
 def sized_laws(diagnosis: LoadingDiagnosis) -> list[SizedCause]:

@@ -20,7 +20,7 @@ from doormill_ros.robot_model.elastic.load_case import LoadCase
 #: Patterns that let a spring vary; a constant cause beside one of them is only its mean value.
 _VARYING = (
     "ripple", "square_law", "cubic_law", "one_sided", "dead_zone", "ageing", "warming", "yielding", "settling",
-    "remembering",
+    "remembering", "sticking",
 )  # fmt: skip
 
 
@@ -76,6 +76,9 @@ _FORCE = 10.0  #: that a sensor reads without load [N]
 _SETTLING = (0.03, 0.12)
 #: Limits of a friction that remembers earlier loadings, over the largest torque of the test: likewise.
 _REMEMBERING = (0.1, 0.4)
+#: Limits up to which friction holds a spring, its elements' spread evenly, over the largest torque: one may stand near.
+_STICKING = {"low": 0.15, "middle": 0.3, "high": 0.6}
+_ELEMENTS = 4
 #: What a pattern makes of joint k, 0 ... 5.
 Law = Callable[[LoadCase, int], list[FloatArray]]
 
@@ -151,6 +154,16 @@ def _remembered(case: LoadCase, k: int) -> list[FloatArray]:
     return [let_through(case, k, one, remembers=False) - let_through(case, k, one) for one in limits]
 
 
+def _sticking(part: float) -> Law:
+    """A spring behind friction elements of limits up to a part of the joint's largest torque."""
+    spread = part * (np.arange(_ELEMENTS) + 0.5) / _ELEMENTS
+
+    def law(case: LoadCase, k: int) -> list[FloatArray]:
+        return [_springs(case, k) * let_through(case, k, spread * case.largest_torque[k])]
+
+    return law
+
+
 def _joint_laws(
     q: FloatArray, late: FloatArray, early: list[FloatArray], long: FloatArray, warm: FloatArray
 ) -> tuple[tuple[str, int, Law, float], ...]:
@@ -171,6 +184,7 @@ def _joint_laws(
         ("joint_ageing", 1, lambda c, k: [_springs(c, k) * late], _ANY),
         ("joint_settling", 2, lambda c, k: [_springs(c, k) * part for part in early], _ANY),
         ("joint_remembering", 2, lambda c, k: [_springs(c, k) * part for part in _remembered(c, k)], _ANY),
+        *((f"joint_sticking_{name}", 1, _sticking(part), 0.0) for name, part in _STICKING.items()),
         ("joint_yielding", 1, lambda c, k: [_springs(c, k) * long], _ANY),
         ("joint_creep", 1, lambda c, k: [late * _full(c, k)], _ANY),
         ("joint_warming", 1, lambda c, k: [_springs(c, k) * warm], _ANY),

@@ -85,13 +85,8 @@ def with_laws(diagnosis: PoseDiagnosis, progress: Callable[[str], None] = lambda
 def _less(diagnosis: PoseDiagnosis, causes: Sequence[PoseCause], why: str) -> PoseDiagnosis:
     """The same without some names, weighed anew and without laws."""
     question, examination = diagnosis.question, diagnosis.examination
-    fewer = replace(
-        examination,
-        extended=question.examiner.models.without(examination.extended, *causes),
-        named=tuple(cause for cause in examination.named if cause not in causes),
-        refused=(*examination.refused, *((cause, why) for cause in causes)),
-        doubles=(),
-    )
+    extended = question.examiner.models.without(examination.extended, *causes)
+    fewer = examination.fewer(causes, why, extended)
     return PoseDiagnosis(**vars(weighed(question, fewer)), question=question)
 
 

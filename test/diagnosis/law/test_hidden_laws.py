@@ -7,7 +7,7 @@ import pytest
 import yaml
 
 from doormill_ros.diagnosis.core.diagnosis import diagnose_problem
-from doormill_ros.diagnosis.loading.laws import with_laws
+from doormill_ros.diagnosis.loading.laws import MEAN_PART, with_laws
 from doormill_ros.diagnosis.loading.problem import LoadingProblem
 from doormill_ros.measurements.join_sets import join_sets
 from doormill_ros.measurements.measurement_set import read_measurement_set
@@ -90,6 +90,27 @@ def test_where_nothing_remains_nothing_is_said(make_set, effects, monkeypatch):
     assert diagnosis.verdict == ("explained" if effects else "consistent")
     monkeypatch.setattr("doormill_ros.diagnosis.loading.laws.LawSearch", None)
     assert with_laws(diagnosis).characterised is None
+
+
+@pytest.mark.parametrize(
+    ("seed", "where", "name"),
+    [
+        (1029, "link 4", "link_bending at link 4"),
+        # Its own bearing tilts where a link gives way.
+        (769, "link 2", "joint_cross_compliance at joint 2"),
+        (871, "joint 3", "joint_stiffness at joint 3"),
+    ],
+)
+def test_a_cause_at_the_place_of_a_law_may_be_its_mean_and_is_not_named(tmp_path, seed, where, name):
+    world = draw(seed)
+    assert (world.truth["where"], world.truth["named"]) == (where, None)
+    world.write(tmp_path / "set")
+    before = diagnose_problem(LoadingProblem(join_sets([read_measurement_set(tmp_path / "set")])))
+    assert name in {repr(finding.cause) for finding in before.findings}
+    after = with_laws(before)
+    assert (after.verdict, after.findings) == ("unexplained", ())
+    assert name in {repr(cause) for cause, why in after.examination.refused if why == MEAN_PART}
+    assert where in {law.where for law in after.characterised.laws}
 
 
 def test_a_cause_beside_a_law_is_told_with_its_numbers_beside_it(tmp_path):

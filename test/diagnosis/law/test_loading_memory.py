@@ -39,6 +39,22 @@ def test_what_changes_with_clock_or_path_takes_no_name_of_a_spring(tmp_path, see
     assert refused & {(name, truth["where"]) for name in resembles}
 
 
+def test_loops_of_which_a_softer_spring_leaves_hardly_more_than_noise_take_no_name(tmp_path):
+    truth, problem = measured(tmp_path, 936)
+    assert (truth["law"], truth["where"]) == ("hysteresis", "joint 6")
+    diagnosis = diagnose_problem(problem)
+    softer = next(
+        fit for fit in diagnosis.search.fits.values() if _names(fit) == ["joint_stiffness at joint 6"]
+    )
+    assert np.sqrt(np.mean(softer.held_out**2)) < 1.1 * truth["noise"]["floor"]
+    assert (diagnosis.verdict, diagnosis.findings) == ("unexplained", ())
+    assert {member.where for member in diagnosis.best.members if not member.named} == {"joint 6"}
+
+
+def _names(fit):
+    return [repr(member) for member in fit.members]
+
+
 @pytest.mark.parametrize(
     ("seed", "law", "acts_on"),
     [
