@@ -6,6 +6,7 @@ texture is its edge; a rebate's lip, the back of a door or a rail behind it lie 
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import lru_cache, reduce
 from math import sqrt
 
@@ -142,6 +143,19 @@ def _ends_at_corner(
     return not all(beyond)
 
 
+@dataclass(frozen=True, eq=False)
+class Sighted:
+    """A corner that the search has found.
+
+    Attributes:
+        pose: y, z [m] and rotation [rad], shape (3,).
+        lines: Along each edge, from the inside outwards, the edge's own among them.
+    """
+
+    pose: FloatArray
+    lines: dict[str, list[EdgeLine]]
+
+
 def _parallels(lines: list[EdgeLine], chosen: BoolArray) -> list[EdgeLine]:
     """Of the chosen lines (n,) those that run along the innermost of them, from the inside outwards."""
     left = [line for line, one in zip(lines, chosen, strict=True) if one]
@@ -164,8 +178,8 @@ def search(
     limit: float,
     rotation: float,
     broken: bool = True,
-) -> FloatArray:
-    """Rough pose of the corner of the door's face: y, z [m] and rotation [rad], shape (3,).
+) -> Sighted:
+    """Roughly the corner of the door's face.
 
     Args:
         picture: Grey picture, shape (h, w), uint8.
@@ -224,7 +238,7 @@ def search(
         if abs(hinge.tilt + bottom.tilt) < _PARALLEL and _ends_at_corner(
             steps, hinge, bottom, corner, broken
         ):
-            return corner
+            return Sighted(corner, beside)
     raise WrongEdge(
         f"{len(lines[HINGE])} upright and {len(lines[BOTTOM])} level lines were found, but the innermost of them "
         "do not meet at a right angle and end where they meet; clear the view of the door's corner",

@@ -17,12 +17,11 @@ from doormill_ros.units import m_to_mm
 _ALIKE = 0.19  # surfaces whose brightness differs by less in its logarithm may be of one plane and one light
 # A strip further from the background than the face by that share of their difference lies before it
 _BEYOND = 0.03
-#: A strip nearer to the background than that share of the face's difference from it is background.
-BACKGROUND = 0.2
+# A strip nearer to the background than that share of the face's difference from it is background; not one that differs
+# from it by so much that anybody sees it [grey levels].
+_BACKGROUND, _PLAINLY = 0.2, 12.0
 TOGETHER = 0.25e-3  #: a strip that ends so near to the other edge ends with it [m]
-_TWIN = 0.7  # strips along both edges that are one differ by less than that factor in width
-_CROSSED = 0.07  # strips fainter than that in the logarithm tell nothing where they cross
-_BRIGHT = 225.0  # strips brighter than that may be clipped where they cross [grey levels]
+_UNCLEAR = 1.0e-3  # between two places where a strip seems to end [m]
 #: Where a strip's end is looked for that is to be placed exactly, beyond and within the other edge [m].
 CLOSE = (-1.2e-3, 1.5e-3)
 _TOLD, _AS_FLUSH = 0.06e-3, 0.33  # a bevel's end is seen from so far out [m], and a strip's nearer is flush
@@ -76,7 +75,8 @@ class EdgeLayers:
 
     def like_background(self, strip: EdgeStrip) -> bool:
         """Whether a strip is as dark or bright as the background."""
-        return abs(strip.level - self.back) < max(BACKGROUND * abs(self.face - self.back), 0.5 * LEAST)
+        most = min(_BACKGROUND * abs(self.face - self.back), _PLAINLY)
+        return abs(strip.level - self.back) < max(most, 0.5 * LEAST)
 
     def judge(self, other: EdgeLayers) -> None:
         """Where the strips end, and which of them belong to the face by their brightness and their end."""
@@ -87,6 +87,8 @@ class EdgeLayers:
             near = [abs(strip.end - line.at(strip.middle)) for line in other.lines]
             self.ends.append(min(near) < TOGETHER)
         for k in range(len(self.strips)):
+            if self.ends[k] is False and self._once_more(k):
+                raise self.doubt(0, k + 1)
             if self.like_face(k) and self.ends[k] is not False:
                 if not self.ends[k] and any(self.like_background(before) for before in self.strips[:k]):
                     raise self.doubt(0, k + 1)
@@ -95,40 +97,19 @@ class EdgeLayers:
                     k == 0
                     and not other.strips
                     and self._bevelled(k, other) > _TOLD
-                    and not self._flush(k, other)
+                    and not self.flush(k, other)
                 ):
                     raise self.doubt(k, k + 1)
                 self.first = k + 1
 
-    def settle(self, other: EdgeLayers) -> EdgeLine:
-        """The edge of the face.
+    def _once_more(self, k: int) -> bool:
+        """Whether outside of a groove the face seems to lie once more, and what covers its end leaves that open."""
+        strip = self.strips[k]
+        if not k or strip.end is None or np.isneginf(strip.end):
+            return False
+        return self.like_face(k) and not abs(strip.end - strip.left) < _UNCLEAR
 
-        Raises:
-            WrongEdge: A strip beside it may belong to the face or not.
-        """
-        k = self.first
-        rest = self.strips[k:]
-        if rest and self._may_be_face(k):
-            while k < len(self.strips) and self._may_be_face(k):
-                crossed = self._crossed(other)
-                if crossed is None and not other.strips[other.first :]:
-                    if not self._flush(k, other):
-                        raise self.doubt(k, k + 1)
-                    crossed = True
-                if not crossed:
-                    break
-                k += 1
-        elif k and self._framed(other):
-            raise self.doubt(0, k)
-        elif rest and (self._turns_round(k, other) or self._ends_with_face(k, other)):
-            raise self.doubt(k, k + 1)
-        return self.lines[k]
-
-    def _may_be_face(self, k: int) -> bool:
-        """Whether strip k is no background, and does not end elsewhere than the face does."""
-        return not self.like_background(self.strips[k]) and self.ends[k] is not False
-
-    def _flush(self, k: int, other: EdgeLayers) -> bool:
+    def flush(self, k: int, other: EdgeLayers) -> bool:
         """Whether strip k ends at the other edge where the face beside it does, closer than a bevel's end would.
 
         A bevel lies on average half its width behind the face, and what lies behind seems nearer to the optical axis.
@@ -163,68 +144,9 @@ class EdgeLayers:
         point = np.array([high, end] if self.edge == HINGE else [end, high])
         return abs(float(self.sight.view.sight(point)[run])) * 0.5 * self.width(k)
 
-    def check_agrees(self, other: EdgeLayers, found: dict[str, EdgeLine]) -> None:
-        """Whether a strip that was taken for a part of the face has no twin along the other edge that was not.
-
-        Args:
-            other: The other edge.
-            found: What was taken for the edges of the face.
-
-        Raises:
-            WrongEdge: It has: one plane or bevel runs round the corner.
-        """
-        for one, two in ((self, other), (other, self)):
-            k, j = one.lines.index(found[one.edge]), two.lines.index(found[two.edge])
-            if k and j < len(two.strips):
-                mine, its = one.against_face(one.strips[k - 1].level), two.against_face(two.strips[j].level)
-                wide = two.width(j) / one.width(k - 1)
-                if abs(mine - its) < _CROSSED and _TWIN < wide < 1.0 / _TWIN:
-                    raise one.doubt(k - 1, k)
-
-    def _turns_round(self, k: int, other: EdgeLayers) -> bool:
-        """Whether strip k, hardly brighter or darker than the background, goes round the corner as a band would.
-
-        It ends beyond the other edge by its own width: there its twin ends, which is too faint to be seen.
-        """
-        strip = self.strips[k]
-        if strip.end is None or not np.isfinite(strip.end) or not self.like_background(strip):
-            return False
-        beyond = other.lines[other.first].at(strip.middle) - strip.end
-        return self._seen(strip) and abs(beyond - self.width(k)) < TOGETHER
-
-    def _ends_with_face(self, k: int, other: EdgeLayers) -> bool:
-        """Whether strip k, hardly brighter or darker than the background, ends just where a band on the face would."""
-        return bool(self.ends[k]) and self._seen(self.strips[k]) and self._flush(k, other)
-
-    def _seen(self, strip: EdgeStrip) -> bool:
-        """Whether a strip differs from the background by so much that its border can be placed."""
-        return abs(strip.level - self.back) > LEAST
-
     def width(self, k: int) -> float:
         """Of a strip at the corner [m]."""
         return abs(self.lines[k].at(self.corner) - self.lines[k + 1].at(self.corner))
-
-    def _framed(self, other: EdgeLayers) -> bool:
-        """Whether strips as bright as the face run round its corner uncrossed: a frame, or another door behind."""
-        return bool(other.first and self._crossed(other) is False)
-
-    def _crossed(self, other: EdgeLayers) -> bool | None:
-        """Whether the outermost strips of both edges cross, as strips on one plane do; None if that cannot be told."""
-        if not self.strips or not other.strips:
-            return None
-        mine, its = self.strips[-1], other.strips[-1]
-        one, two = (e.against_face(s.level) for s, e in ((mine, self), (its, other)))
-        if min(abs(one), abs(two)) < _CROSSED or one * two < 0 or max(mine.level, its.level) > _BRIGHT:
-            return None
-        low, high = self.lines[-1].at(self.corner), self.lines[-2].at(self.corner)
-        across = low + ACROSS * (high - low) - self.lines[-1].tilt * self.corner
-        begin, stop = other.lines[-1].at(low), other.lines[-2].at(low)
-        width = stop - begin
-        square = self.sight.level(
-            self.edge, across, self.lines[-1].tilt, begin + 0.3 * width, stop - 0.3 * width + PITCH
-        )
-        found = self.against_face(square)
-        return bool(abs(found - one - two) < abs(found - 0.5 * (one + two)))
 
     def doubt(self, inner: int, outer: int) -> WrongEdge:
         """The refusal of two steps of which each may be the edge of the face."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -31,6 +31,10 @@ class EdgeLine:
     def at(self, along: float) -> float:
         """Its place across the edge at a distance along it [m]."""
         return self.across + self.tilt * along
+
+    def moved(self, by: float) -> EdgeLine:
+        """The same so much further across [m]."""
+        return replace(self, across=self.across + by)
 
     def points(self, edge: str, start: float) -> FloatArray:
         """Two face points (2, 2) on it, from a distance along the edge inwards [m]."""

@@ -13,6 +13,7 @@ from doormill_ros.arrays import ByteArray, FloatArray
 from doormill_ros.localization.edge_layers import EdgeLayers
 from doormill_ros.localization.edge_line import EdgeLine
 from doormill_ros.localization.errors import WrongEdge
+from doormill_ros.localization.face_edge import check_agrees, settle
 from doormill_ros.localization.shade import Surfaces, shaded
 from doormill_ros.localization.strip_doubts import check_told, ends_face
 from doormill_ros.localization.view import BOTTOM, HINGE, FaceView
@@ -33,6 +34,17 @@ class Chosen:
         """
         for edge, other in zip(self.read, self.read[::-1], strict=True):
             check_told(edge, other)
+
+    def check_are(self, edges: dict[str, EdgeLine]) -> None:
+        """Whether these lines were chosen.
+
+        Raises:
+            WrongEdge: Another one was.
+        """
+        for read in self.read:
+            mine, its = read.lines.index(edges[read.edge]), read.lines.index(self.lines[read.edge])
+            if mine != its:
+                raise read.doubt(min(mine, its), max(mine, its))
 
 
 def choose(
@@ -70,6 +82,6 @@ def choose(
     }
     for edge, other in ((HINGE, BOTTOM), (BOTTOM, HINGE)):
         read[edge].judge(read[other])
-    found = {edge: read[edge].settle(read[HINGE if edge == BOTTOM else BOTTOM]) for edge in read}
-    read[HINGE].check_agrees(read[BOTTOM], found)
+    found = {edge: settle(read[edge], read[HINGE if edge == BOTTOM else BOTTOM]) for edge in read}
+    check_agrees(read[HINGE], read[BOTTOM], found)
     return Chosen(found, (read[HINGE], read[BOTTOM]))

@@ -13,7 +13,7 @@ from doormill_ros.localization.band import reduced
 from doormill_ros.localization.beyond import larger_beyond
 from doormill_ros.localization.camera import CameraModel
 from doormill_ros.localization.clamp_lines import FaceInClamp, check_clamp, smoothed
-from doormill_ros.localization.coarse import search, search_bands
+from doormill_ros.localization.coarse import Sighted, search, search_bands
 from doormill_ros.localization.crossing import check_crossing
 from doormill_ros.localization.drift import Drift, drift_in
 from doormill_ros.localization.empty_clamp import EmptyClamp, empty_clamp_for
@@ -22,6 +22,7 @@ from doormill_ros.localization.fit import CornerFit, fit_corner
 from doormill_ros.localization.marked_view import marked_view
 from doormill_ros.localization.processing import check_levels, level_counts
 from doormill_ros.localization.result import CovarianceParts, EdgeTrace, Localization
+from doormill_ros.localization.second_look import check_same
 from doormill_ros.localization.settings import LocalizerSettings, shipped_settings
 from doormill_ros.localization.sharpness import check_sharpness
 from doormill_ros.localization.stale_clamp import clamp_pattern, fit_clamp
@@ -65,7 +66,7 @@ def localize(
     view = face_view(camera, layout, float(width), float(thickness))
     checks.check_view(view.pixel)
     drift = drift_in(picture, camera, float(width), layout.T_base_door(width, thickness)[:3, 3])
-    traces = trace_edges(picture, view, _rough_pose(picture, counts, view, layout), settings)
+    traces = trace_edges(picture, view, _sighted(picture, counts, view, layout), settings)
     fit = fit_corner(traces[HINGE].line, traces[BOTTOM].line, settings.squareness, settings.squareness_limit)
     clamp = empty_clamp_for(view.camera.empty, float(width))
     clamp_fit = None
@@ -131,28 +132,29 @@ def _whole_sensor(camera: CameraModel, clamp: EmptyClamp) -> CameraModel:
     return camera.with_intrinsics(clamp.k, clamp.distortion, (width, height))
 
 
-def _rough_pose(picture: ByteArray, counts: IntArray, view: FaceView, layout: CellLayout) -> FloatArray:
-    """Pose to about a pixel in a picture of such `level_counts`; when there is none, the most telling reason."""
+def _sighted(picture: ByteArray, counts: IntArray, view: FaceView, layout: CellLayout) -> Sighted:
+    """The corner to about a pixel in a picture of such `level_counts`; when there is none, the most telling reason."""
     limit, rotation = max(layout.limits.y, layout.limits.z), layout.limits.rotation
     small = reduced(picture)
     try:
-        pose = search(picture, small, view, limit, rotation)
+        found = search(picture, small, view, limit, rotation)
     except (NoEdge, WrongEdge) as reason:
         checks.check_exposure(counts, strict=True)
         try:
             further = search(picture, small, view, _WIDE * limit, _WIDE * rotation, broken=False)
         except LocalizationError:
             raise reason from None
-        checks.check_range(_offset_of(further), layout.limits, sure=False)
+        checks.check_range(_offset_of(further.pose), layout.limits, sure=False)
         raise
-    if larger_beyond(picture, view, pose):
+    if larger_beyond(picture, view, found.pose):
         try:
             further = search(picture, small, view, _WIDE * limit, _WIDE * rotation)
         except (NoEdge, WrongEdge):
             checks.check_exposure(counts, strict=True)
             raise
-        checks.check_range(_offset_of(further), layout.limits, sure=False)
-    return pose
+        checks.check_range(_offset_of(further.pose), layout.limits, sure=False)
+        check_same(view, found, further)
+    return found
 
 
 def _offset_of(pose: FloatArray) -> DoorOffset:

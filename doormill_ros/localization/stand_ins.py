@@ -23,10 +23,11 @@ _STANDS_IN = 0.3  # which has that share of its step, and less than half of that
 _FEW, _STEADY = 0.1, 0.7  # all but that share of its samples have that share of its step
 
 # Nearer to a line than the parallels above are apart, rows tell.
-_NEAR = 24  # px beside a line within which they are looked at
-_SHORTEST = (
-    3.0e-3  # length from which they are [m]: corners are worn more often than anything stands in so near them
-)
+# Beside a line they are looked at within so many pixels, where no more is missing than what lies behind would hide [m].
+_NEAR, _NEAR_END, _NOTCH = 24, 90, 8.0e-3
+# Corners are worn more often than anything stands in so near them: a shorter stretch lies further aside than what is
+# worn, and one shorter still tells nothing.
+_SHORT, _SHORTEST, _FAR_ASIDE = 3.0e-3, 1.2e-3, 3.5  # [m], [m], [px]
 _RETURNS = 8, 6  # a line is there where of so many rows so many agree with it
 _LEAVES = 3  # rows at the end of a stretch that may see both
 # What is broken off has a ragged border that leads back to the line; another edge is straight and runs beside it.
@@ -93,10 +94,12 @@ def check_stretch(
     if missing * view.pixel < _SHORTEST:
         return
     rows = slice(len(profiles.lines) - missing, None)
-    places = _places(picture, view, pose, profiles, rows)[_LEAVES:]
+    reach = _NEAR_END if missing * view.pixel < _NOTCH else _NEAR
+    places = _places(picture, view, pose, profiles, rows, reach)[_LEAVES:]
     middle = median(places)
     off = np.abs(places - middle)
-    if abs(middle) < _ASIDE or np.quantile(off, 1.0 - 2.0 * _FEW) > _ASKEW:
+    aside = _FAR_ASIDE if missing * view.pixel < _SHORT else _ASIDE
+    if abs(middle) < aside or np.quantile(off, 1.0 - 2.0 * _FEW) > _ASKEW:
         return
     near = np.flatnonzero(off < 3.0 * _ASKEW)
     start = np.polyfit(near, places[near], 1)[1]
@@ -120,11 +123,11 @@ def _missing(there: BoolArray) -> int:
 
 
 def _places(
-    picture: ByteArray, view: FaceView, pose: FloatArray, profiles: Profiles, rows: slice
+    picture: ByteArray, view: FaceView, pose: FloatArray, profiles: Profiles, rows: slice, reach: int
 ) -> FloatArray:
-    """Where the largest step of the edge's sign is in some rows, outwards of the line [px], shape (n,)."""
+    """Where within reach the largest step of the edge's sign is in some rows, outwards of the line [px], shape (n,)."""
     lines, centre = profiles.lines[rows], profiles.centre[rows]
-    values = gather(picture, profiles.edge, lines, centre, np.arange(-_NEAR, _NEAR + 1))
+    values = gather(picture, profiles.edge, lines, centre, np.arange(-reach, reach + 1))
     falls = values[:-3] + values[1:-2] - values[2:-1] - values[3:]  # from the face to what is behind it
     if profiles.step < 0.0:
         np.negative(falls, out=falls)
@@ -133,7 +136,7 @@ def _places(
     before, here, after = (falls[np.clip(most + by, 0, len(falls) - 1), row] for by in (-1, 0, 1))
     bends = before - 2.0 * here + after
     part = np.divide(0.5 * (before - after), bends, out=np.zeros(most.size), where=bends < 0.0)
-    at = most + np.clip(part, -0.5, 0.5) + 1.5 - _NEAR
+    at = most + np.clip(part, -0.5, 0.5) + 1.5 - reach
     return np.asarray(at + centre - crossed_at(view, profiles.edge, pose, lines), dtype=float)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from doormill_ros.localization.edge_layers import BACKGROUND, CLOSE, TOGETHER, EdgeLayers
+from doormill_ros.localization.edge_layers import CLOSE, TOGETHER, EdgeLayers
 from doormill_ros.localization.edge_line import EdgeLine
 from doormill_ros.localization.shade import BESIDE, PITCH, WELL, Surfaces
 from doormill_ros.localization.strips import ACROSS
@@ -37,6 +37,8 @@ def check_told(one: EdgeLayers, other: EdgeLayers) -> None:
         WrongEdge: One does not.
     """
     last = len(one.strips) - 1
+    if one.strips and _no_face(one, other):
+        raise one.doubt(0, last + 1)
     if one.strips:
         inside = [one.strips[last].level]
         if one.width(last) < _APART:
@@ -49,14 +51,23 @@ def check_told(one: EdgeLayers, other: EdgeLayers) -> None:
         if hidden or face_once_more:
             raise one.doubt(last, last + 1)
     for k, strip in enumerate(one.strips):
-        # What is darker than a rail behind is a gap before that.
-        apart = (strip.level - one.back) / (one.face - one.back) if one.face != one.back else 1.0
-        if apart < BACKGROUND or strip.end is None:
+        if one.like_background(strip) or strip.end is None:
             continue
         short = strip.end > other.lines[0].at(strip.middle) + TOGETHER
         with_face = any(abs(strip.left - line.at(strip.middle)) < TOGETHER for line in other.lines)
         if (short and not _cut_off(one, k, other)) or (with_face and not one.ends[k]):
             raise one.doubt(k, k + 1)
+
+
+def _no_face(one: EdgeLayers, other: EdgeLayers) -> bool:
+    """Whether inside of the innermost line lies rather background: the edge is further in, and too faint for a line.
+
+    What lies outside of the line is brighter then where beyond the other edge it is darker, or the other way. Nor is
+    that a groove, outside of which the face lies once more.
+    """
+    groove = any(abs(strip.level - one.deep) < _AS_FACE * abs(one.face - one.deep) for strip in one.strips)
+    turned = (one.face - one.strips[0].level) * (one.deep - other.back) < 0.0
+    return turned and not groove and abs(one.face - other.back) < abs(one.face - one.deep)
 
 
 def _cut_off(one: EdgeLayers, k: int, other: EdgeLayers) -> bool:

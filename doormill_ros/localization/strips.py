@@ -15,6 +15,9 @@ LEAST = 5.0  #: grey levels between two surfaces of which the border can be plac
 ACROSS = np.linspace(0.3, 0.7, 5)  #: where across a strip it is read, as shares of its width
 # Where a strip's end is looked for, beyond the other edge's outermost and innermost line [m]
 _END = (-6.0e-3, 4.0e-3)
+# Where a strip's width is read along the edge, from the corner; how far beside each line, and how closely [m]
+_READ, _NEAR, _FINE = (4.0e-3, 32.0e-3), 0.6e-3, 0.03e-3
+_SMOOTH = 5  # differences that are averaged
 _RISE = 0.15  # a strip begins where it differs so much from what lies beyond, as a share of its difference
 
 
@@ -55,6 +58,33 @@ def read_strip(
     along = np.arange(across_lines[-1].at(middle) + _END[0], across_lines[0].at(middle) + _END[1], PITCH)
     grey = sight.along(edge, across, inner.tilt, along)
     return EdgeStrip(level, _begins(along, grey, level), _left(along, grey, level), middle)
+
+
+def read_width(sight: Surfaces, edge: str, inner: EdgeLine, outer: EdgeLine, corner: float) -> float:
+    """How wide a strip is [m], closer than its lines were found: between the steepest places of what lies across it.
+
+    Args:
+        sight: The picture.
+        edge: "hinge" or "bottom".
+        inner: The line inside of it.
+        outer: The line outside of it.
+        corner: Where the edge meets the other one [m].
+    """
+    along = np.arange(corner + _READ[0], corner + _READ[1], 4 * PITCH)
+    middle = float(along.mean())
+    reach = min(_NEAR, 0.45 * abs(inner.at(middle) - outer.at(middle)))
+    places = []
+    for line in (inner, outer):
+        near = line.at(middle) + np.arange(-reach, reach, _FINE)
+        # Along one tilt, so that an error of it moves both alike.
+        grey = sight.rows(edge, near - inner.tilt * middle, inner.tilt, along)
+        steep = np.abs(np.convolve(np.diff(grey.mean(axis=1)), np.ones(_SMOOTH) / _SMOOTH, "same"))
+        most = int(np.clip(np.argmax(steep), 1, steep.size - 2))
+        before, here, after = steep[most - 1 : most + 2]
+        bend = before - 2.0 * here + after
+        part = 0.5 * (before - after) / bend if bend < 0.0 else 0.0
+        places.append(float(near[most] + _FINE * (0.5 + part)))
+    return abs(places[0] - places[1])
 
 
 def _begins(along: FloatArray, grey: FloatArray, level: float) -> float | None:

@@ -12,12 +12,14 @@ from doormill_ros.arrays import ByteArray, FloatArray
 from doormill_ros.localization import checks
 from doormill_ros.localization.blur import Spread
 from doormill_ros.localization.both_rims import EdgeRead, find_borders
+from doormill_ros.localization.coarse import Sighted
 from doormill_ros.localization.edge_line import EdgeLine
 from doormill_ros.localization.errors import LocalizationError
 from doormill_ros.localization.fit import LineFit, fit_line, pooled
 from doormill_ros.localization.layers import choose
 from doormill_ros.localization.neighbourhood import EVERY, WIDE_HALF, Neighbourhood, look_around
 from doormill_ros.localization.profiles import Profiles, measure, plain_weights
+from doormill_ros.localization.second_look import check_again
 from doormill_ros.localization.settings import LocalizerSettings
 from doormill_ros.localization.stand_ins import check_stretch
 from doormill_ros.localization.texture import push
@@ -138,25 +140,25 @@ def _step_aside(
 
 
 def trace_edges(
-    picture: ByteArray, view: FaceView, pose: FloatArray, settings: LocalizerSettings
+    picture: ByteArray, view: FaceView, sighted: Sighted, settings: LocalizerSettings
 ) -> dict[str, Trace]:
     """Read both edges.
 
     Args:
         picture: Grey picture, shape (h, w), uint8.
         view: The camera before the face.
-        pose: Rough y, z [m] and rotation [rad], shape (3,).
+        sighted: Roughly the corner.
         settings: Limits of refusal.
 
     Raises:
         LocalizationError: NoEdge, WrongEdge, TooFewInliers, Blurred or OverExposed; `marks` are the edges looked at.
     """
     try:
-        return _trace(picture, view, pose, settings)
+        return _trace(picture, view, sighted, settings)
     except LocalizationError as reason:
         looked_at = [reason.data["edge"]] if "edge" in reason.data else EDGES
         marks = [
-            (edge, view.pixels(view.line(edge, pose, np.linspace(0.0, view.length(edge), 9))))
+            (edge, view.pixels(view.line(edge, sighted.pose, np.linspace(0.0, view.length(edge), 9))))
             for edge in looked_at
         ]
         reason.data.setdefault("marks", tuple(marks))
@@ -164,9 +166,9 @@ def trace_edges(
 
 
 def _trace(
-    picture: ByteArray, view: FaceView, pose: FloatArray, settings: LocalizerSettings
+    picture: ByteArray, view: FaceView, sighted: Sighted, settings: LocalizerSettings
 ) -> dict[str, Trace]:
-    poses, room = dict.fromkeys(EDGES, pose), dict.fromkeys(EDGES, WIDE_HALF)
+    poses, room = dict.fromkeys(EDGES, sighted.pose), dict.fromkeys(EDGES, WIDE_HALF)
     for _ in range(3):
         poses, around = _surroundings(picture, view, poses, room, settings)
         if not any(beside.beside for beside in around.values()) or not _step_aside(
@@ -187,6 +189,11 @@ def _trace(
         poses, around = _surroundings(picture, view, poses, room, settings)
         reads = _read(picture, view, poses, room, around, settings)
         borders = find_borders(picture, view, reads, settings, borders)
+    edges = {
+        edge: EdgeLine.at_pose(edge, read.pose, read.profiles.step).moved(-borders[edge].shift * view.pixel)
+        for edge, read in reads.items()
+    }
+    check_again(picture, view, edges, sighted.lines)
     out = {}
     for edge, read in reads.items():
         check_stretch(picture, view, read.pose, read.profiles, read.line)

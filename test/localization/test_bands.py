@@ -31,17 +31,59 @@ def strips(start, stop, factor, edges=("hinge", "bottom")):
     return tuple(Strip(edge, start * MM, stop * MM, factor) for edge in edges)
 
 
+def frame(wide, factor):
+    """A strip round the face that is as dark or bright at its corner as along the edges."""
+    return (
+        *strips(-1.0, wide, factor),
+        Strip("hinge", -1.0 * MM, wide * MM, 1.0 / factor, last=wide * MM),
+    )
+
+
 SEEN = {
     "dark band of 0.5 mm": {"strips": strips(-1.0, 0.5, 0.6)},
     "dark band of 0.8 mm": {"strips": strips(-1.0, 0.8, 0.6)},
     "dark band of 0.8 mm, a little darker": {"strips": strips(-1.0, 0.8, 0.75)},
-    "bevel of 1 mm": {"back_edge": BackEdge(1.0 * MM, 1.0 * MM, 1.0 * MM, 0.6)},
     "bevel of 1.5 mm": {"back_edge": BackEdge(1.5 * MM, 1.5 * MM, 1.5 * MM, 0.5)},
     "lip behind the hinge edge": {"back_edge": BackEdge(1.6 * MM, 0.0, 3.0 * MM, 0.5)},
     "dark band of 1.6 mm along the hinge edge": {"strips": strips(-1.0, 1.6, 0.6, ("hinge",))},
     "dark band of 2.5 mm along the bottom edge": {"strips": strips(-1.0, 2.5, 0.7, ("bottom",))},
     "grooves beside both edges": {"strips": strips(7.0, 8.5, 0.5)},
 }
+
+
+@pytest.mark.parametrize("wide", [6.0, 8.0])
+@pytest.mark.parametrize("factor", [0.45, 0.85, 1.2])
+def test_what_frames_the_face_as_wide_along_both_edges_is_a_lipping(wide, factor, camera, layout):
+    # Of solid wood: where its strips cross it is as bright as they are.
+    lipped = replace(SCENE, strips=frame(wide, factor))
+    found = localize(render_picture(lipped, 6), camera, layout, WIDTH, THICKNESS).offset
+    assert np.hypot(found.y - SCENE.offset.y, found.z - SCENE.offset.z) < 0.03 * MM
+
+
+@pytest.mark.parametrize(
+    ("hinge", "bottom", "setback"), [(4.0, 4.0, 4.0), (14.0, 14.0, 25.0), (3.0, 3.0, 2.0)]
+)
+@pytest.mark.parametrize("factor", [0.45, 0.85])
+def test_what_shrinks_towards_the_optical_axis_lies_behind_the_face(
+    hinge, bottom, setback, factor, camera, layout
+):
+    behind = BackEdge(hinge * MM, bottom * MM, setback * MM, factor)
+    try:
+        found = localize(
+            render_picture(replace(SCENE, back_edge=behind), 6), camera, layout, WIDTH, THICKNESS
+        )
+    except WrongEdge:
+        assert factor > 0.8  # as bright as the face: refused
+    else:
+        assert np.hypot(found.offset.y - SCENE.offset.y, found.offset.z - SCENE.offset.z) < 0.03 * MM
+
+
+@pytest.mark.parametrize(
+    "around", [{"back_edge": BackEdge(1.0 * MM, 1.0 * MM, 1.0 * MM, 0.6)}, {"strips": frame(1.0, 0.6)}]
+)
+def test_what_frames_the_face_and_is_too_narrow_to_tell_is_refused(around, camera, layout):
+    with pytest.raises(WrongEdge, match=r"two steps .* may be the \w+ edge"):
+        localize(render_picture(replace(SCENE, **around), 6), camera, layout, WIDTH, THICKNESS)
 
 
 BEVELS = {"hinge": (2.0 * MM, 0.0), "bottom": (0.0, 2.0 * MM)}

@@ -89,7 +89,7 @@ def test_a_door_is_found_as_without(name, looked):
         assert found.offset == without.offset
         np.testing.assert_array_equal(found.covariance, without.covariance)
         right += 1
-    assert right >= (1 if "plate" in name else COUNT - 1)
+    assert right >= COUNT - 1
 
 
 def test_the_place_of_a_refusal_is_drawn(looked):

@@ -156,7 +156,9 @@ CLAMPS: dict[str, _Kind] = {
     "jaw along the edge": _Kind(_of("jaw along the edge"), fair=False),
     "jaw as dark as the background": _Kind(_of("jaw as dark as the background"), fair=False),
     "the same jaw, camera moved by 0.2 mm": _Kind(_moved(_of("jaw as dark as the background")), fair=False),
-    "square plate of the clamp behind": _Kind(_square_behind),
+    "square plate of the clamp behind": _Kind(
+        _square_behind, fair=False
+    ),  # it frames the door as a lipping would
     "second door behind": _Kind(lambda rng, number, seed: _second(number, seed)),
     "workshop": _Kind(_workshop),
     "clean": _Kind(_of("plain")),

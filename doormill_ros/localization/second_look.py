@@ -1,0 +1,76 @@
+"""The lines that the search saw beside an edge, judged once more from where the edges were found to be.
+
+Where a strip ends tells whether it lies on the face, and from a place that is a pixel or a narrow strip off that cannot
+be told.
+"""
+
+from __future__ import annotations
+
+from doormill_ros.arrays import ByteArray
+from doormill_ros.localization.coarse import Sighted
+from doormill_ros.localization.edge_line import EdgeLine, meet
+from doormill_ros.localization.errors import WrongEdge
+from doormill_ros.localization.layers import choose
+from doormill_ros.localization.view import BOTTOM, HINGE, FaceView
+from doormill_ros.units import m_to_mm
+
+_OWN = 0.8e-3  # what the search saw so near to an edge is that, or was looked at from closer by [m]
+
+
+def check_again(
+    picture: ByteArray, view: FaceView, edges: dict[str, EdgeLine], seen: dict[str, list[EdgeLine]]
+) -> None:
+    """Whether the same lines are chosen from where they were found to be.
+
+    Args:
+        picture: Grey picture, shape (h, w), uint8.
+        view: The camera before the face.
+        edges: Where the edges were found.
+        seen: The lines that the search saw along each of them, from the inside outwards.
+
+    Raises:
+        WrongEdge: Another line may be the edge.
+    """
+    corner = meet(edges[HINGE], edges[BOTTOM])[:2]
+    lines = {}
+    for edge, at in ((HINGE, corner[1]), (BOTTOM, corner[0])):
+        own = edges[edge]
+        others = [line for line in seen[edge] if abs(line.at(at) - own.at(at)) > _OWN]
+        lines[edge] = sorted([*others, own], key=lambda line: -line.at(at))
+    if all(len(one) == 1 for one in lines.values()):
+        return
+    layers = choose(picture, view, lines, corner)
+    layers.check_are(edges)
+    layers.check()
+
+
+def check_same(view: FaceView, found: Sighted, further: Sighted) -> None:
+    """Whether a search that reaches further finds the same corner.
+
+    Args:
+        view: The camera before the face.
+        found: By the search within the range.
+        further: By the other one.
+
+    Raises:
+        WrongEdge: It finds another corner.
+    """
+    apart = further.pose[:2] - found.pose[:2]
+    for edge, off in zip((HINGE, BOTTOM), apart, strict=True):
+        if abs(off) > _OWN:
+            raise WrongEdge(
+                f"two lines {m_to_mm(abs(off)):.1f} mm apart may be the {edge} edge: seen with what lies further out "
+                "another one than without; clear the view of the corner",
+                edge=edge,
+                marks=tuple(
+                    (
+                        name,
+                        view.pixels(
+                            EdgeLine.at_pose(edge, one.pose, 0.0).points(
+                                edge, float(one.pose[1 if edge == HINGE else 0])
+                            )
+                        ),
+                    )
+                    for name, one in (("line", found), ("other", further))
+                ),
+            )
