@@ -42,10 +42,11 @@ stops: setup      ## 200 seeded stops and losses of power in the cut; a judge of
 shift: setup      ## 100 doors in one continuous run over Robot Web Services 1.0; path, report, memory, handles
 	@$(ENV) python bench/shift.py --doors 100
 
-corpus: setup     ## localization over 300 workshop-like pictures beside two peers, and under 34 conditions, alone and in pairs
+corpus: setup     ## localization over 300 workshop-like pictures beside two peers, and under 34 conditions, alone and in pairs, and in ray-traced views
 	@$(ENV) python bench/bench_localization.py
 	@$(ENV) python bench/bench_conditions.py
 	@$(ENV) python bench/bench_pairs.py
+	@$(ENV) python bench/bench_views.py
 	@$(ENV) python bench/bench_empty_clamp.py
 	@$(ENV) python bench/bench_stale_clamp.py
 
