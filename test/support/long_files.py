@@ -38,6 +38,7 @@ LONG = (
     "nodes/test_spindle_load.py",
     "diagnosis/pose/test_ur10.py",
     "localization/test_covariance.py",
+    "localization/test_views.py",
     "nodes/test_tool_wear.py",
     "monitor/test_watch.py",
     "monitor/test_runs_watch.py",
