@@ -45,7 +45,7 @@ def main() -> int:
     wrong: Counter[bool] = Counter()
     accepted: Counter[bool] = Counter()
     times = []
-    for one, other, item in pairs(count, seed):
+    for (one, other), item in pairs(count, seed):
         scene, unseen = item.scene, is_unseen(one, other)
         picture = render_picture(scene, item.seed)
         prepare(camera, layout, scene.width, item.thickness)

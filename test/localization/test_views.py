@@ -31,6 +31,8 @@ def off(view, camera, layout):
         (105, 2, None),  # a metal plate on the face
         (13, 12, None),
         (54, 1, None),  # a drip groove
+        (10, 31, None),  # a slot, and dust where the face beside it ends
+        (59, 31, None),  # a bright bench below an edge in the shadow
         (11, 4, ("rebate",)),  # of the tone of the face: a notch at the corner is all that shows
         (20, 4, ("rebate",)),
         (17, 4, ("rubber_seal",)),

@@ -1,4 +1,4 @@
-"""Pictures with two conditions at once, drawn from those of `conditions` that leave both edges plain; seeded."""
+"""Pictures with two or more conditions at once, drawn from those of `conditions` that leave both edges plain; seeded."""
 
 from __future__ import annotations
 
@@ -46,27 +46,27 @@ def is_unseen(one: str, other: str) -> bool:
     return "bevel" in pair or pair == {"white door before a white wall", "sharp shadow 2 mm inside"}
 
 
-def pair_of(number: int, seed: int) -> tuple[str, str, ConditionPicture]:
-    """Two conditions and a picture with both, equal for equal numbers and seeds."""
+def picture_of(number: int, seed: int, count: int = 2) -> tuple[tuple[str, ...], ConditionPicture]:
+    """Some conditions and a picture with all of them, equal for equal numbers and seeds."""
     rng = np.random.default_rng((seed, number))
-    one, other = (str(name) for name in rng.choice(PAIRED, 2, replace=False))
-    plain = plain_scene(rng, SceneCamera.load(), load_layout())
-    first, second = (CONDITIONS[name].change(plain, rng) for name in (one, other))
-    scene = replace(first, **_changed(plain, first, second))
-    picture = ConditionPicture(
-        f"{one}, {other}", True, False, False, None, scene, scene.thickness, int(rng.integers(2**31))
+    names = tuple(str(name) for name in rng.choice(PAIRED, count, replace=False))
+    scene = plain = plain_scene(rng, SceneCamera.load(), load_layout())
+    for name in names:
+        scene = replace(scene, **_changed(plain, scene, CONDITIONS[name].change(plain, rng)))
+    seen_as = ", ".join(names)
+    return names, ConditionPicture(
+        seen_as, True, False, False, None, scene, scene.thickness, int(rng.integers(2**31))
     )
-    return one, other, picture
 
 
-def pairs(count: int, seed: int) -> Iterator[tuple[str, str, ConditionPicture]]:
+def pairs(count: int, seed: int) -> Iterator[tuple[tuple[str, ...], ConditionPicture]]:
     """The first pairs of a seed."""
     for number in range(count):
-        yield pair_of(number, seed)
+        yield picture_of(number, seed)
 
 
 def _changed(plain: PictureScene, first: PictureScene, second: PictureScene) -> dict[str, Any]:
-    """What the second scene changes of the plain one, what it adds put to what the first added."""
+    """What the second scene changes of the plain one, what it adds put to what the first has."""
     changed = {}
     for field in fields(plain):
         value = getattr(second, field.name)
