@@ -1,4 +1,4 @@
-"""Pictures with two or more conditions at once, drawn from those of `conditions` that leave both edges plain; seeded."""
+"""Pictures with two or more conditions at once, from those of `conditions` that leave both edges plain; seeded."""
 
 from __future__ import annotations
 
