@@ -22,7 +22,6 @@ from doormill_ros.localization.fit import CornerFit, fit_corner
 from doormill_ros.localization.marked_view import marked_view
 from doormill_ros.localization.processing import check_levels, level_counts
 from doormill_ros.localization.result import CovarianceParts, EdgeTrace, Localization
-from doormill_ros.localization.second_look import check_same
 from doormill_ros.localization.settings import LocalizerSettings, shipped_settings
 from doormill_ros.localization.sharpness import check_sharpness
 from doormill_ros.localization.stale_clamp import clamp_pattern, fit_clamp
@@ -153,7 +152,6 @@ def _sighted(picture: ByteArray, counts: IntArray, view: FaceView, layout: CellL
             checks.check_exposure(counts, strict=True)
             raise
         checks.check_range(_offset_of(further.pose), layout.limits, sure=False)
-        check_same(view, found, further)
     return found
 
 

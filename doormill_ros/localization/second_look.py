@@ -7,12 +7,9 @@ be told.
 from __future__ import annotations
 
 from doormill_ros.arrays import ByteArray
-from doormill_ros.localization.coarse import Sighted
 from doormill_ros.localization.edge_line import EdgeLine, meet
-from doormill_ros.localization.errors import WrongEdge
 from doormill_ros.localization.layers import choose
 from doormill_ros.localization.view import BOTTOM, HINGE, FaceView
-from doormill_ros.units import m_to_mm
 
 _OWN = 0.8e-3  # what the search saw so near to an edge is that, or was looked at from closer by [m]
 
@@ -42,35 +39,3 @@ def check_again(
     layers = choose(picture, view, lines, corner)
     layers.check_are(edges)
     layers.check()
-
-
-def check_same(view: FaceView, found: Sighted, further: Sighted) -> None:
-    """Whether a search that reaches further finds the same corner.
-
-    Args:
-        view: The camera before the face.
-        found: By the search within the range.
-        further: By the other one.
-
-    Raises:
-        WrongEdge: It finds another corner.
-    """
-    apart = further.pose[:2] - found.pose[:2]
-    for edge, off in zip((HINGE, BOTTOM), apart, strict=True):
-        if abs(off) > _OWN:
-            raise WrongEdge(
-                f"two lines {m_to_mm(abs(off)):.1f} mm apart may be the {edge} edge: seen with what lies further out "
-                "another one than without; clear the view of the corner",
-                edge=edge,
-                marks=tuple(
-                    (
-                        name,
-                        view.pixels(
-                            EdgeLine.at_pose(edge, one.pose, 0.0).points(
-                                edge, float(one.pose[1 if edge == HINGE else 0])
-                            )
-                        ),
-                    )
-                    for name, one in (("line", found), ("other", further))
-                ),
-            )

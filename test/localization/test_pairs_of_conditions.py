@@ -49,9 +49,7 @@ def test_what_hides_where_a_strip_lies_is_refused_or_does_no_harm(seed, number, 
     "number",
     [
         # Its end is told from where the other edge is, which a strip moves by a few pixels.
-        *(118, 273),
-        # Searched further, another line is the edge.
-        217,
+        *(118, 217, 273),
         # Strips as dark as the background, or darker than a bright wall.
         *(59, 305, 343),
     ],
