@@ -84,8 +84,8 @@ def look(item: ConditionPicture, row: Row) -> None:
     except LocalizationError as reason:
         row.reasons[type(reason).__name__] += 1
         return
-    row.worst = max(row.worst, distance(found, scene))
-    row.wrong += is_wrong(found, scene)
+    row.worst = max(row.worst, distance(found, scene.offset))
+    row.wrong += is_wrong(found, scene.offset)
 
 
 def run(count: int = COUNT, seed: int = SEED) -> dict[str, Row]:

@@ -79,12 +79,12 @@ def look(item: ClampPicture, row: Row) -> None:
             row.lost += i and right
             return
         poses.append((found.offset, found.covariance.tolist()))
-        wrong = not item.stands or is_wrong(found, scene)
+        wrong = not item.stands or is_wrong(found, scene.offset)
         right = not wrong
         row.accepted[i] += 1
         row.wrong[i] += wrong
         if wrong and i and item.stands:
-            row.worst = max(row.worst, distance(found, scene))
+            row.worst = max(row.worst, distance(found, scene.offset))
     assert poses[0] == poses[1], "the picture of the empty clamp has changed a pose"
     spent = []
     for camera in cameras:  # now that both are warm

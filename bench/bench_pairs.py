@@ -58,10 +58,10 @@ def main() -> int:
         finally:
             times.append(1e3 * (time.process_time() - start))
         accepted[unseen] += 1
-        if is_wrong(found, scene):
+        if is_wrong(found, scene.offset):
             wrong[unseen] += 1
             known = ", known" if unseen else ""
-            print(f"wrong by {m_to_mm(distance(found, scene)):.3f} mm: {one}; {other}{known}")
+            print(f"wrong by {m_to_mm(distance(found, scene.offset)):.3f} mm: {one}; {other}{known}")
     print(f"refused: {', '.join(f'{reason} {n}' for reason, n in reasons.most_common())}")
     for unseen, what in ((False, "that can be seen"), (True, "that cannot be seen")):
         print(f"pairs {what}: {wrong[unseen]} wrong of {accepted[unseen]} accepted")

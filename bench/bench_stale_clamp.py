@@ -77,7 +77,7 @@ def look(item: ClampPicture, row: StaleRow) -> None:
             found = localize(picture, camera, layout, scene.width, scene.thickness)
         except LocalizationError:
             continue
-        (row.wrong if not item.stands or is_wrong(found, scene) else row.right)[i] += 1
+        (row.wrong if not item.stands or is_wrong(found, scene.offset) else row.right)[i] += 1
     seen = face_view(known, layout, scene.width, scene.thickness)
     pose = np.array([scene.offset.y, scene.offset.z, scene.offset.rotation])
     fit_clamp(picture, known, known.empty[0], seen, pose)

@@ -18,18 +18,18 @@ import one_core  # noqa: F401  before numpy
 
 # isort: split
 import cv2
-import numpy as np
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(ROOT), str(ROOT / "bench"), str(ROOT / "test")]
 
 # ruff: noqa: E402
-from wrong_pose import WRONG_ANGLE, WRONG_PLACE, WRONG_SIGMA
+from wrong_pose import WRONG_ANGLE, WRONG_PLACE, WRONG_SIGMA, distance, error, is_wrong, sigma
 
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.errors import LocalizationError
 from doormill_ros.localization.localizer import localize, prepare
+from doormill_ros.localization.result import Localization
 from doormill_ros.units import DEG, m_to_mm, rad_to_deg
 from support.views.plainness import is_plain
 from support.views.render import render
@@ -44,27 +44,33 @@ class Outcome:
     Attributes:
         view: What was seen.
         plain: Whether a person plainly sees both edges.
+        found: The pose; None where it was refused.
         refusal: Type of the refusal; empty for a pose.
-        error: y, z [m] and rotation [rad] off the truth.
-        sigma: The same in the pose's own standard deviations.
     """
 
     view: View
     plain: bool
+    found: Localization | None
     refusal: str = ""
-    error: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    sigma: float = 0.0
 
     @property
     def distance(self) -> float:
         """Off in place [m]."""
-        return float(np.hypot(self.error[0], self.error[1]))
+        return 0.0 if self.found is None else distance(self.found, self.view.offset)
 
     @property
     def wrong(self) -> bool:
         """Whether the pose must not be milled."""
-        off = self.distance > WRONG_PLACE or abs(self.error[2]) > WRONG_ANGLE
-        return not self.refusal and (off or self.sigma > WRONG_SIGMA)
+        return self.found is not None and is_wrong(self.found, self.view.offset)
+
+    def __str__(self) -> str:
+        """How far the pose is off."""
+        assert self.found is not None
+        y, z, rotation = error(self.found, self.view.offset)
+        return (
+            f"{m_to_mm(self.distance):.3f} mm (y {m_to_mm(y):+.3f}, z {m_to_mm(z):+.3f}), "
+            f"{rad_to_deg(rotation):+.3f} deg, {sigma(self.found, self.view.offset):.1f} sigma"
+        )
 
 
 def outcomes(count: int, seed: int, features: tuple[str, ...] | None) -> Iterator[Outcome]:
@@ -81,14 +87,9 @@ def outcomes(count: int, seed: int, features: tuple[str, ...] | None) -> Iterato
         try:
             found = localize(picture, camera, layout, width, told)
         except LocalizationError as refusal:
-            yield Outcome(view, plain, type(refusal).__name__)
+            yield Outcome(view, plain, None, type(refusal).__name__)
             continue
-        true = view.offset
-        error = np.array(
-            [found.offset.y - true.y, found.offset.z - true.z, found.offset.rotation - true.rotation]
-        )
-        sigma = float(np.sqrt(error @ np.linalg.solve(found.covariance, error)))
-        yield Outcome(view, plain, "", (float(error[0]), float(error[1]), float(error[2])), sigma)
+        yield Outcome(view, plain, found)
 
 
 def row(name: str, those: list[Outcome]) -> str:
@@ -118,12 +119,9 @@ def main() -> int:
     for outcome in outcomes(count, seed, tuple(sys.argv[3:]) or None):
         all_of_them.append(outcome)
         if outcome.wrong:
-            y, z, rotation = outcome.error
+            plain, features = "plain" if outcome.plain else "not plain", ", ".join(outcome.view.features)
             print(
-                f"wrong: view {outcome.view.number}, {m_to_mm(outcome.distance):.3f} mm (y {m_to_mm(y):+.3f},"
-                f" z {m_to_mm(z):+.3f}), {rad_to_deg(rotation):+.3f} deg, {outcome.sigma:.1f} sigma,"
-                f" {'plain' if outcome.plain else 'not plain'}: {', '.join(outcome.view.features) or 'nothing'}",
-                flush=True,
+                f"wrong: view {outcome.view.number}, {outcome}, {plain}: {features or 'nothing'}", flush=True
             )
     print(f"\n{'in the view':20s}    views    plain accepted of plain    wrong worst mm  refusals")
     for size in range(5):

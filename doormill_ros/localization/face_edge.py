@@ -135,10 +135,12 @@ def _framed(one: EdgeLayers, other: EdgeLayers) -> bool:
     if not other.first:
         return False
     k, j = one.first - 1, other.first - 1
-    behind = _lies_behind(one, k, other, j)
     mine, its = one.against_face(one.strips[k].level), other.against_face(other.strips[j].level)
-    one_thing = abs(mine - its) < _CROSSED
-    return (behind is True and one_thing) or (behind is None and _crossed(one, other) is False)
+    one_thing, uncrossed = abs(mine - its) < _CROSSED, _crossed(one, other) is False
+    if not (one_thing or uncrossed):
+        return False
+    behind = _lies_behind(one, k, other, j)
+    return one_thing if behind else uncrossed and behind is None
 
 
 def _crossed(one: EdgeLayers, other: EdgeLayers) -> bool | None:

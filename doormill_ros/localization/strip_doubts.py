@@ -37,9 +37,9 @@ def check_told(one: EdgeLayers, other: EdgeLayers) -> None:
         WrongEdge: One does not.
     """
     last = len(one.strips) - 1
-    if one.strips and _no_face(one, other):
-        raise one.doubt(0, last + 1)
     if one.strips:
+        if _no_face(one, other):
+            raise one.doubt(0, last + 1)
         inside = [one.strips[last].level]
         if one.width(last) < _APART:
             inside.append(one.face)  # the step of a line holds that of another so near to it

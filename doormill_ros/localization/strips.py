@@ -72,7 +72,8 @@ def read_width(sight: Surfaces, edge: str, inner: EdgeLine, outer: EdgeLine, cor
     """
     along = np.arange(corner + _READ[0], corner + _READ[1], 4 * PITCH)
     middle = float(along.mean())
-    reach = min(_NEAR, 0.45 * abs(inner.at(middle) - outer.at(middle)))
+    # Lines that are not quite parallel may come near to each other there.
+    reach = max(min(_NEAR, 0.45 * abs(inner.at(middle) - outer.at(middle))), _SMOOTH * _FINE)
     places = []
     for line in (inner, outer):
         near = line.at(middle) + np.arange(-reach, reach, _FINE)

@@ -15,7 +15,7 @@ from doormill_ros.diagnosis.core.examination import Examination
 from doormill_ros.diagnosis.core.finding import Finding, make_findings
 from doormill_ros.diagnosis.core.fit import Fit
 from doormill_ros.diagnosis.core.fit_examiner import FitExaminer
-from doormill_ros.diagnosis.core.judgement import Judgement, Question, judge_question, weighed
+from doormill_ros.diagnosis.core.judgement import Judgement, Question, judge_question, less
 from doormill_ros.diagnosis.core.problem import C, Examined
 from doormill_ros.diagnosis.core.robust import gross_errors
 from doormill_ros.diagnosis.core.stability import clustered, turned_joint
@@ -59,8 +59,7 @@ class Diagnosis(Judgement[C, Fit[C]], Generic[P, C]):
 
     def less(self, causes: Sequence[C], why: str) -> Diagnosis[P, C]:
         """The same without some names, for a reason, weighed anew and without laws."""
-        extended = self.search.without(self.extended, *causes)
-        return _told(self.question, weighed(self.question, self.examination.fewer(causes, why, extended)))
+        return _told(self.question, less(self.question, self, causes, why))
 
 
 def diagnose_problem(problem: P, progress: Callable[[str], None] = lambda line: None) -> Diagnosis[P, C]:

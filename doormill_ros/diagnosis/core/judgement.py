@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Generic, TypeVar
 
@@ -110,6 +110,12 @@ def judge_question(
 ) -> Judgement[K, M]:
     """Search, examine and weigh."""
     return weighed(question, question.examine(question.search(progress)))
+
+
+def less(question: Question[K, M], found: Judgement[K, M], causes: Sequence[K], why: str) -> Judgement[K, M]:
+    """What was judged without some names, for a reason, weighed anew."""
+    extended = question.examiner.models.without(found.extended, *causes)
+    return weighed(question, found.examination.fewer(causes, why, extended))
 
 
 def weighed(question: Question[K, M], found: Examination[K, M], stays: bool = False) -> Judgement[K, M]:

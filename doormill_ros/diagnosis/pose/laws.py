@@ -11,7 +11,7 @@ from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.diagnosis.core.beam import ENTRY
 from doormill_ros.diagnosis.core.characterised import Characterised
 from doormill_ros.diagnosis.core.fit import Fit, fit
-from doormill_ros.diagnosis.core.judgement import weighed
+from doormill_ros.diagnosis.core.judgement import less
 from doormill_ros.diagnosis.core.ranking import ranks
 from doormill_ros.diagnosis.core.verdict import AT_NOISE, rmse
 from doormill_ros.diagnosis.law.characterise import remains
@@ -84,10 +84,8 @@ def with_laws(diagnosis: PoseDiagnosis, progress: Callable[[str], None] = lambda
 
 def _less(diagnosis: PoseDiagnosis, causes: Sequence[PoseCause], why: str) -> PoseDiagnosis:
     """The same without some names, weighed anew and without laws."""
-    question, examination = diagnosis.question, diagnosis.examination
-    extended = question.examiner.models.without(examination.extended, *causes)
-    fewer = examination.fewer(causes, why, extended)
-    return PoseDiagnosis(**vars(weighed(question, fewer)), question=question)
+    question = diagnosis.question
+    return PoseDiagnosis(**vars(less(question, diagnosis, causes, why)), question=question)
 
 
 def _gone(diagnosis: PoseDiagnosis) -> list[PoseCause]:

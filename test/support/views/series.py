@@ -17,31 +17,13 @@ from support.views.optics import Place
 from support.views.view import Taking, View
 
 Feature = Callable[[Draft], None]
+_BACKDROPS = ("wall_close", "mirror", "shadow_outside", "bright_hall", "floor", "tiles")
 #: Features that set the face or the backdrop anew, and so go before those that add to it.
-FIRST = (
-    "dark_door",
-    "veneer_joint",
-    "glossy",
-    "wall_close",
-    "mirror",
-    "shadow_outside",
-    "bright_hall",
-    "floor",
-    "tiles",
-)
+FIRST = ("dark_door", "veneer_joint", "glossy", *_BACKDROPS)
 SINGLE = 0.4  #: share of views with one feature
 NONE = 0.05  #: share of views with none
-#: Pairs of which the later one would undo the earlier.
-ONE_BACKDROP = {
-    "wall_close",
-    "mirror",
-    "shadow_outside",
-    "bright_hall",
-    "floor",
-    "tiles",
-    "low_contrast",
-    "dark_door",
-}
+#: Of these a view has one at most: another would undo it.
+ONE_BACKDROP = {*_BACKDROPS, "low_contrast", "dark_door"}
 
 
 def _of(module: ModuleType) -> dict[str, Feature]:
