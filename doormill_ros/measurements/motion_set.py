@@ -13,6 +13,7 @@ from doormill_ros.measurements.sample_times import even_times
 from doormill_ros.measurements.set_document import SetDocument
 from doormill_ros.measurements.si_units import JOINT_ANGLE, check_cells
 from doormill_ros.measurements.trial_table import TrialTable
+from doormill_ros.robot_model.motion.quiet_torque import quiet_torque
 from doormill_ros.robot_model.motion.view import JointMotion
 
 SCHEMA = "doormill/motion-set/1"
@@ -100,11 +101,13 @@ def read_motion_set(folder: Path) -> MotionSet:
                 time,
                 values[f"m{joint}"],
                 values[f"l{joint}"],
-                values[f"tau{joint}"],
+                torque,
                 float(ratio[i]),
                 float(stiffness[i]),
+                noise_left,
             )
             for i, joint in enumerate(joints)
+            for torque, noise_left in [quiet_torque(values[f"tau{joint}"])]
         ),
         line=np.array(table.lines),
         commanded=commanded_angles,

@@ -111,6 +111,7 @@ class Search(ABC, Generic[K, M]):
     def climbed(self, start: M) -> M:
         """The best model that single steps lead to."""
         best, beam, smaller = start, [start], None
+        seen = {_identity(best)}
         while len(best.members) < self.largest:
             grown = self.grown(beam, smaller, best)
             larger = self.first_earning(best, grown)
@@ -123,8 +124,10 @@ class Search(ABC, Generic[K, M]):
                 best = self.prune(self.settled(larger))
                 beam = [best]
             self.progress(self.told(best))
-            if len(best.members) <= len(larger.members) - 2:
+            # What left with the newcomer, or for it, would come and go for ever.
+            if len(best.members) <= len(larger.members) - 2 or _identity(best) in seen:
                 break
+            seen.add(_identity(best))
         return self.finished(best)
 
     def told(self, best: M) -> str:
@@ -195,3 +198,7 @@ class Search(ABC, Generic[K, M]):
         ]
         place = {id(found): at for at, found in enumerate(self.ranked([found for _, found in pairs]))}
         return sorted(pairs, key=lambda pair: place[id(pair[1])])
+
+
+def _identity(model: Model) -> frozenset[tuple[str, str, str]]:
+    return frozenset(member.identity for member in model.members)

@@ -129,8 +129,10 @@ class LawSearch(BeamSearch[C], Generic[C]):
             term, gain = self.candidates[i], float(gains[i])
             if len(chosen) == _SCREEN or (gain < _PROMISING and len(chosen) >= 3):
                 break
+            if not may_join(found.members, term):  # nor what is established, which has no place
+                continue
             place = self.place(term).key
-            if listed[place] < _EACH and may_join(found.members, term):
+            if listed[place] < _EACH:
                 listed[place] += 1
                 chosen.append((term, gain))
         return chosen

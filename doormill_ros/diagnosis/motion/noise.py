@@ -8,6 +8,7 @@ import numpy as np
 from scipy.ndimage import median_filter, uniform_filter1d
 
 from doormill_ros.arrays import BoolArray, FloatArray
+from doormill_ros.robot_model.motion.quiet_torque import white_noise
 from doormill_ros.robot_model.motion.view import JointMotion
 from doormill_ros.statistics import NORMAL_STD, median
 
@@ -34,12 +35,15 @@ def noise_floor(
         noise: Standard deviation of link, motor [rad] and torque [N m]; None where not stated.
     """
     link, motor, torque = noise
+    # Third differences see nothing of what a filter left.
+    left = max((motion.torque_noise or 0.0) / motion.stiffness for motion in motions)
     if link is not None:
-        by_torque = (torque or 0.0) / motions[0].stiffness
+        by_torque = left or (torque or 0.0) / motions[0].stiffness
         return float(np.sqrt(link**2 + (motor or 0.0) ** 2 + by_torque**2))
-    # Third differences: white noise grows by the root of 1 + 9 + 9 + 1, whatever is smooth vanishes.
-    sizes = [np.abs(np.diff(motion.link - motion.motor, 3)) for motion in motions]
-    return float(NORMAL_STD * median(np.concatenate(sizes)) / np.sqrt(20.0))
+    near = max(
+        white_noise(motion.link - motion.motor + motion.torque / motion.stiffness) for motion in motions
+    )
+    return float(np.hypot(near, left))
 
 
 def chance_of(errors: Sequence[FloatArray], shapes: Sequence[FloatArray]) -> float:

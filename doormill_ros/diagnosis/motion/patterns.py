@@ -13,6 +13,7 @@ from doormill_ros.robot_model.motion.causes.joint_damping import JointDamping
 from doormill_ros.robot_model.motion.causes.joint_stiffness import MotionStiffness
 from doormill_ros.robot_model.motion.view import JointMotion, SeenMotion
 
+_BOTH_WAYS = 0.01  #: share of the samples with the rarer sign from which on both are seen
 #: Causes that are one law of a driver: where something else follows that too, the law is another.
 FOLLOWING: Mapping[str, tuple[type[MotionCause], ...]] = {
     "own torque": (MotionStiffness, JointBacklash),
@@ -67,6 +68,12 @@ class MotionPattern(MotionCause):
         return f"what follows {self.spoken} at {self.where}"
 
 
+def _one_way(parts: Sequence[FloatArray]) -> bool:
+    """Whether nearly all of some values, shape (n,) each, have one sign."""
+    positive = float(np.mean(np.concatenate(parts) > 0.0))
+    return min(positive, 1.0 - positive) < _BOTH_WAYS
+
+
 def unnamed_patterns(index: int, recordings: Sequence[Sequence[JointMotion]]) -> list[MotionPattern]:
     """Shapes for one joint, by its index, of recordings that hold all joints."""
     own = [recording[index] for recording in recordings]
@@ -85,6 +92,13 @@ def unnamed_patterns(index: int, recordings: Sequence[Sequence[JointMotion]]) ->
         ("speed", "the size of its speed", "rad/s", [np.abs(one) for one in speed]),
         ("speed", "the square of its speed with its sign", "(rad/s)^2", [one * np.abs(one) for one in speed]),
     ]
+    # Where a joint's torque or speed hardly ever changes its sign its size is the same in other words.
+    one_way = [
+        words
+        for words, parts in (("torque", [motion.torque for motion in own]), ("speed", speed))
+        if _one_way(parts)
+    ]
+    shapes = [shape for shape in shapes if shape[1] not in [f"the size of its {words}" for words in one_way]]
     for other, motion in enumerate(recordings[0]):
         if other != index:
             others = [recording[other] for recording in recordings]

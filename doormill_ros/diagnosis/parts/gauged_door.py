@@ -20,7 +20,7 @@ class GaugedDoor:
         points: Measured, and matched with the run.
         noise: Standard deviation of a deviation [m].
         placing: Covariance of y, z and rotation of its pose, shape (3, 3); None where it is not known where it stood.
-        corner: Origin of the door, base frame, shape (3,) [m].
+        T_base_door: Where the door stood as far as the run knew, shape (4, 4) [m].
         eye: Where the camera stood, base frame, shape (3,) [m].
         largest: How far its worst measured point is off, matched or not [m].
         milled: When the tool set out to mill it, by the bag [s since the epoch]; None where that does not tell.
@@ -34,7 +34,7 @@ class GaugedDoor:
     points: CutPoints
     noise: float
     placing: FloatArray | None
-    corner: FloatArray
+    T_base_door: FloatArray
     eye: FloatArray
     largest: float = 0.0
     milled: float | None = None

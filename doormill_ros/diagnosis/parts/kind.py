@@ -19,9 +19,11 @@ from doormill_ros.diagnosis.core.changes import (
     diagnosed_at,
 )
 from doormill_ros.diagnosis.core.kind import Progress, SearchedKind
+from doormill_ros.diagnosis.core.verdict import PARTLY_EXPLAINED, UNEXPLAINED
 from doormill_ros.diagnosis.core.wording import Words
 from doormill_ros.diagnosis.parts.charts import charts_of
 from doormill_ros.diagnosis.parts.course import InTime
+from doormill_ros.diagnosis.parts.discrepancy import DISCREPANCIES
 from doormill_ros.diagnosis.parts.gauged_door import GaugedDoor
 from doormill_ros.diagnosis.parts.in_use import in_use_document
 from doormill_ros.diagnosis.parts.matching import matched_points
@@ -33,6 +35,7 @@ from doormill_ros.diagnosis.parts.recorded_cut import RecordedCut, recorded_cut
 from doormill_ros.diagnosis.parts.slips import BESIDE, FAR, slips, slips_beside
 from doormill_ros.diagnosis.parts.steps import possible_steps
 from doormill_ros.diagnosis.parts.warming import warmed
+from doormill_ros.diagnosis.parts.without_name import unnamed_document, unnamed_sentences, with_discrepancy
 from doormill_ros.distributions import chi2_sf
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.measurements.inspection import CAMERA, Inspection, inspections_in
@@ -49,6 +52,8 @@ more than that place is known."""
 
 #: That noise leaves as much, or that doors stand as differently, where nothing hides behind their places.
 _CHANCE = 1e-4
+#: Share of what the doors show that has to be left beside a discrepancy at most, to ask beside it.
+_MAIN = 0.5
 #: Times that slips are looked for beside what was found: without the largest others show.
 _ROUNDS = 3
 
@@ -102,11 +107,31 @@ class Inspections(SearchedKind[InspectedDoor, DoorProblem, InTime]):
     def diagnose(self, sets: Sequence[InspectedDoor], progress: Progress) -> DoorDiagnosis:
         """Look for doors at which something changed, then search, examine and weigh.
 
+        Where something is left that no cause names, they are asked once more beside what every door may show alike.
+        """
+        found = self._asked(self.problem(sets), progress)
+        if found.verdict not in (PARTLY_EXPLAINED, UNEXPLAINED):
+            return found
+        recurring = len(found.problem.doors) / len({door.recipe for door in found.problem.doors})
+        named = {finding.cause.key for finding in found.findings}
+        for discrepancy in DISCREPANCIES:
+            beside = found.problem.beside(discrepancy(found.problem.off))
+            if recurring < discrepancy.recurring or beside.shown > _MAIN * found.problem.shown:
+                continue
+            progress(f"asking beside what every door may show alike: {discrepancy.acts_on}")
+            other = self._asked(beside, progress)
+            told = {finding.cause.key for finding in other.findings}
+            if other.question.at_noise(other.extended) and told >= named:
+                return with_discrepancy(other)
+        return found
+
+    def _asked(self, problem: DoorProblem, progress: Progress) -> DoorDiagnosis:
+        """Look for steps, search, examine and weigh, again where slips or the doors' places make that necessary.
+
         How far doors scatter is seen by what the model in question leaves. Where what was found shows that they scatter
         less, and then leaves more than chance, or places that differ by more or show another step, something hid behind
         their places: the doors are asked once more.
         """
-        problem = self.problem(sets)
         found = diagnosed_at(problem, possible_steps(problem), progress)
         for _ in range(_ROUNDS):
             beside = slips_beside(found)
@@ -140,14 +165,23 @@ class Inspections(SearchedKind[InspectedDoor, DoorProblem, InTime]):
         progress("asking since when")
         changes = changes_of(diagnosis)
         charts = charts_of(diagnosis, min((c.door for c in changes if c.kind == STEP), default=None))
-        remarks = [*change_sentences(diagnosis, changes), *_scope(diagnosis), *_slipped(diagnosis, sets)]
+        remarks = [
+            *change_sentences(diagnosis, changes),
+            *unnamed_sentences(diagnosis),
+            *_scope(diagnosis),
+            *_slipped(diagnosis, sets),
+        ]
         steps = next_steps(diagnosis)
         account = account_of(diagnosis, self.words, next_sentence(steps), checks)
-        sections = _facts(diagnosis, sets) | {
-            "changes": changes_document(diagnosis, changes),
-            "charts": charts.document(),
-            "next": next_document(steps),
-        }
+        sections = (
+            _facts(diagnosis, sets)
+            | unnamed_document(diagnosis)
+            | {
+                "changes": changes_document(diagnosis, changes),
+                "charts": charts.document(),
+                "next": next_document(steps),
+            }
+        )
         if self._in_use is not None:
             first = max((change.door for change in changes), default=0)
             sections["in_use"] = in_use_document(diagnosis, self._in_use, first)
@@ -221,7 +255,7 @@ def inspected_door(inspection: Inspection, cut: RecordedCut) -> InspectedDoor:
         points=matched_points(inspection, cut, robot, layout.T_flange_tool, slipped),
         noise=inspection.noise,
         placing=cut.placing if inspection.datum == CAMERA else None,
-        corner=cut.T_base_door[:3, 3],
+        T_base_door=cut.T_base_door,
         eye=load_camera().T_base_camera(cut.recipe.width)[:3, 3],
         largest=float(np.abs(inspection.deviation[~slipped]).max()),
         milled=cut.milled,

@@ -8,6 +8,7 @@ last motions and load of that moment are those that the point tells of.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -113,12 +114,12 @@ def matched_points(
             rows = np.flatnonzero(of_feature & (inspection.wall == wall) & ~slipped)
             if len(rows):
                 at = _Place(inspection, rows, feature, T_base_feature, cut.T_base_door, robot, T_flange_tool)
-                points = at.matched(way, np.zeros(2))
+                moments = at.moments(way, np.zeros(2))
                 if wall and datum == CAMERA:
                     # Against another datum nobody knows whether the tool was beside its place or the gauge.
-                    off = _displaced(points, T_base_feature, robot, T_flange_tool)
-                    points = at.matched(way, off) if np.linalg.norm(off) > DISPLACED else points
-                found.append(points)
+                    off = at.displaced(moments)
+                    moments = at.moments(way, off) if np.linalg.norm(off) > DISPLACED else moments
+                found.append(at.matched(way, moments))
     found = [part for part in found if len(part)]
     if not found:
         raise inspection.refuse("run_id", "names a run that cut none of the measured points under one load")
@@ -181,17 +182,23 @@ def _way(
     )
 
 
-def _displaced(
-    points: CutPoints, T_base_feature: FloatArray, robot: Robot, T_flange_tool: FloatArray
-) -> FloatArray:
-    """By how much a whole feature was milled beside its place, in its plane, shape (2,) [m]."""
-    if len(points) < _ENOUGH:
-        return np.zeros(2)
-    flat = (points.normal @ T_base_feature[:3, :3])[:, :2]
-    springs = cut_case(points, robot, T_flange_tool).springs()[:, :3]
-    left = points.deviation - points.sent - np.sum(springs * points.normal, axis=1)
-    result: FloatArray = np.linalg.lstsq(flat, left, rcond=_FLAT)[0]
-    return result
+@dataclass(frozen=True, eq=False)
+class _Moments:
+    """When each of n points was cut.
+
+    Attributes:
+        at: Number of the position on the way of the tool, shape (n,).
+        sent: As in `CutPoints`, -inf for points that were cut nowhere, shape (n,) [m].
+        pushed: How far the springs move it along the normal under the assumed load, shape (n,) [m].
+        spread: By how much they do that differently at other positions that reached as far, shape (n,) [m].
+        turned: Joints whose last motion was another one at such a position, shape (n, 6).
+    """
+
+    at: IntArray
+    sent: FloatArray
+    pushed: FloatArray
+    spread: FloatArray
+    turned: BoolArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -206,60 +213,79 @@ class _Place:
     robot: Robot
     T_flange_tool: FloatArray
 
-    def matched(self, way: _Way, off: FloatArray) -> CutPoints:
-        """The points, those left out that tell of no single moment.
+    def moments(self, way: _Way, off: FloatArray) -> _Moments:
+        """When each point was cut.
 
         Args:
             way: Of the tool through the feature.
-            off: How far beside it the tool went, to find the moments, shape (2,) [m].
+            off: How far beside it the tool went, shape (2,) [m].
         """
-        inspection, rows, feature = self.inspection, self.rows, self.feature
-        T_base_feature, T_base_door = self.T_base_feature, self.T_base_door
-        wall = bool(inspection.wall[rows[0]])
-        R_base_feature = T_base_feature[:3, :3]
-        point = apply(T_base_door, inspection.point[rows])
-        normal = inspection.normal[rows] @ T_base_door[:3, :3].T
-        flat = apply(inverse(T_base_feature), point)
-        outward = normal @ R_base_feature
+        wall, radius = self._wall, self.feature.tool.radius
+        flat, outward = self._flat
         tree = cKDTree(way.flat[:, :2] + off)
-        radius = feature.tool.radius
         centre = flat[:, :2] - radius * outward[:, :2] * wall
-        at = np.zeros(len(rows), dtype=int)
-        sent, spread = np.full(len(rows), -np.inf), np.zeros(len(rows))
-        turned = np.zeros((len(rows), 6), dtype=bool)
+        n = len(flat)
+        at, sent, pushed, spread = np.zeros(n, dtype=int), np.full(n, -np.inf), np.zeros(n), np.zeros(n)
+        turned = np.zeros((n, 6), dtype=bool)
         for i, near in enumerate(tree.query_ball_point(centre, AROUND if wall else radius)):
             rivals = np.array(near, dtype=int)
             reach = (
                 _reach(flat[i] - [*off, 0.0], outward[i], way, rivals, radius, wall) - outward[i, :2] @ off
             )
-            pushed = way.moved[rivals] @ outward[i]
+            given = way.moved[rivals] @ outward[i]
             if not np.isfinite(reach).any():
                 continue
-            best = int((reach + pushed).argmax())
-            at[i], sent[i] = rivals[best], reach[best]
-            close = reach + pushed > reach[best] + pushed[best] - RIVALS
-            spread[i] = np.ptp(pushed[close])
+            best = int((reach + given).argmax())
+            at[i], sent[i], pushed[i] = rivals[best], reach[best], given[best]
+            close = reach + given > reach[best] + given[best] - RIVALS
+            spread[i] = np.ptp(given[close])
             turned[i] = np.any(way.direction[rivals[close]] != way.direction[at[i]], axis=0)
+        return _Moments(at, sent, pushed, spread, turned)
+
+    def displaced(self, moments: _Moments) -> FloatArray:
+        """By how much the whole feature was milled beside its place, in its plane, shape (2,) [m]."""
+        cut = np.isfinite(moments.sent)
+        if cut.sum() < _ENOUGH:
+            return np.zeros(2)
+        left = self.inspection.deviation[self.rows] - moments.sent - moments.pushed
+        return np.asarray(np.linalg.lstsq(self._flat[1][cut, :2], left[cut], rcond=_FLAT)[0], dtype=float)
+
+    @property
+    def _wall(self) -> bool:
+        return bool(self.inspection.wall[self.rows[0]])
+
+    @cached_property
+    def _flat(self) -> tuple[FloatArray, FloatArray]:
+        """Points [m] and normals, feature axes, shape (n, 3) each."""
+        T_feature_door = inverse(self.T_base_feature) @ self.T_base_door
+        normal = self.inspection.normal[self.rows]
+        return apply(T_feature_door, self.inspection.point[self.rows]), normal @ T_feature_door[:3, :3].T
+
+    def matched(self, way: _Way, moments: _Moments) -> CutPoints:
+        """The points, those left out that tell of no single moment."""
+        inspection, rows, wall, at = self.inspection, self.rows, self._wall, moments.at
+        normal = inspection.normal[rows] @ self.T_base_door[:3, :3].T
+        behind = way.flat[at, 2] - self._flat[0][:, 2]
         points = CutPoints(
-            point=point,
+            point=apply(self.T_base_door, inspection.point[rows]),
             normal=normal,
             deviation=inspection.deviation[rows],
-            sent=sent,
-            behind=np.where(wall, (way.flat[at, 2] - flat[:, 2]) / np.maximum(way.axis[at, 2], 0.1), 0.0),
+            sent=moments.sent,
+            behind=np.where(wall, behind / np.maximum(way.axis[at, 2], 0.1), 0.0),
             wall=np.full(len(rows), wall),
             q=way.q[at],
             direction=way.direction[at],
             wrench=way.wrench[at],
-            bend=way.bend[at] @ R_base_feature.T,
+            bend=way.bend[at] @ self.T_base_feature[:3, :3].T,
             row=rows,
-            feature=np.full(len(rows), feature.id),
-            kind=np.full(len(rows), feature.kind),
+            feature=np.full(len(rows), self.feature.id),
+            kind=np.full(len(rows), self.feature.kind),
         )
         felt = cut_case(points, self.robot, self.T_flange_tool)
-        single = np.isfinite(sent) & (spread < LOADS)
+        single = np.isfinite(moments.sent) & (moments.spread < LOADS)
         for k in range(6):
             counts = np.abs(np.sum(felt.joint_twist(k)[:, :3] * normal, axis=1)) * TURN > MOVED
-            single &= ~(counts & turned[:, k])
+            single &= ~(counts & moments.turned[:, k])
         return points[single]
 
 

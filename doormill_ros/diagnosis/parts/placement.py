@@ -75,7 +75,7 @@ def door_places(
             known.append(nothing)
             continue
         free.append(nothing)
-        known.append(seen_columns(point, normal, one.corner) * scale)
+        known.append(seen_columns(point, normal, one.T_base_door[:3, 3]) * scale)
         fitted.append(np.linalg.lstsq(known[-1], unexplained[rows], rcond=None)[0])
         recipe.append(one.recipe)
     n, anywhere = len(points), block_columns(door, free, len(points))

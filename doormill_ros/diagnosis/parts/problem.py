@@ -16,6 +16,7 @@ from doormill_ros.diagnosis.core.course import (
     BEGINS,
     CHANGES,
     DRIFTS,
+    GROWS,
     WEARS_AND_CHANGES,
     SizeCourse,
 )
@@ -27,6 +28,7 @@ from doormill_ros.diagnosis.core.wording import METRES
 from doormill_ros.diagnosis.parts.case import CutCase
 from doormill_ros.diagnosis.parts.course import InTime
 from doormill_ros.diagnosis.parts.cut_points import CutPoints
+from doormill_ros.diagnosis.parts.discrepancy import Discrepancy, made_by, recurring
 from doormill_ros.diagnosis.parts.effects.effect import Effect
 from doormill_ros.diagnosis.parts.effects.registry import effects
 from doormill_ros.diagnosis.parts.gauged_door import GaugedDoor
@@ -62,19 +64,27 @@ class DoorProblem(Examined[InTime]):
         points: All of them.
         steps: Doors from which on something may have changed.
         door_places: Where the doors stood, as far as that is known.
+        discrepancy: What every door shows alike and nothing has to name; None for nothing.
     """
 
     unit = METRES
     components = 1
     resolution = FLANK
 
-    def __init__(self, doors: Sequence[GaugedDoor], robot: Robot, T_flange_tool: FloatArray) -> None:
+    def __init__(
+        self,
+        doors: Sequence[GaugedDoor],
+        robot: Robot,
+        T_flange_tool: FloatArray,
+        discrepancy: Discrepancy | None = None,
+    ) -> None:
         """Work out loads and geometry, and what the places of the doors can make.
 
         Args:
             doors: Any number.
             robot: That milled them.
             T_flange_tool: Its tool, shape (4, 4).
+            discrepancy: What every door may show alike.
         """
         self.robot, self.tool = robot, np.array(T_flange_tool)
         self.doors = in_order(doors)
@@ -92,13 +102,17 @@ class DoorProblem(Examined[InTime]):
             eye=self._of_door([door.eye for door in self.doors]),
             tip=T_flange_tool[:3, 3],
         )
-        self.noise = self._of_door([door.noise for door in self.doors])
-        self.noise_floor = float(np.sqrt(np.mean(self.noise**2)))
+        noise = self._of_door([door.noise for door in self.doors])
+        self.noise_floor = float(np.sqrt(np.mean(noise**2)))
+        self.noise = np.hypot(noise, discrepancy.varies * discrepancy.size if discrepancy else 0.0)
         self.measured = self.points.deviation - self.points.sent
         self.configuration = self._groups()
         self.folds = make_folds(self.configuration)
         self.steps: tuple[int, ...] = ()
         self._unexplained = (self.measured - self.case.springs()) / self.noise
+        self.discrepancy = discrepancy
+        places = recurring(self.doors, self.door, self.points)
+        self._alike = made_by(discrepancy, self._case, *places, self.noise)
         self.door_places = self._places()
         self.nuisance = self._nuisance()
 
@@ -111,7 +125,7 @@ class DoorProblem(Examined[InTime]):
         return self._case
 
     def _of_door(self, values: Sequence[float | FloatArray]) -> FloatArray:
-        return np.array(values, dtype=float)[self.door]
+        return np.array(values)[self.door]
 
     def _groups(self) -> IntArray:
         """What is left out together, shape (n,): neighbours know too much of each other."""
@@ -134,7 +148,21 @@ class DoorProblem(Examined[InTime]):
         for number, door in enumerate(self.doors):
             gone = self.points.row[points & (self.door == number)]
             doors.append(replace(door, points=door.points[~np.isin(door.points.row, gone)]))
-        return type(self)(doors, self.robot, self.tool)
+        return type(self)(doors, self.robot, self.tool, self.discrepancy)
+
+    @property
+    def off(self) -> float:
+        """How far the walls are off beside what the springs make, root mean square [m]."""
+        return float(np.sqrt(np.mean((self.measured - self.case.springs()) ** 2)))
+
+    @property
+    def shown(self) -> float:
+        """What the doors show beside places, mill and discrepancy: mean square in standard deviations."""
+        return float(np.mean(self.predict((), np.zeros(0)).cost))
+
+    def beside(self, discrepancy: Discrepancy | None) -> Self:
+        """The same doors with another discrepancy, or none."""
+        return type(self)(self.doors, self.robot, self.tool, discrepancy)
 
     def placed_by(self, members: Sequence[InTime], theta: FloatArray) -> Self:
         """The same doors, the scatter of their places taken from what a model leaves instead of what springs do.
@@ -157,14 +185,20 @@ class DoorProblem(Examined[InTime]):
         return other
 
     def _places(self) -> DoorPlaces:
-        return door_places(self.doors, self.door, self.points, self.noise, self._unexplained)
+        # Twice, for it takes the root of what a discrepancy can make.
+        columns, alike = self._alike
+        shown = Nuisance(columns, np.zeros((len(self), 0)), alike)
+        left = shown.take(shown.take(self._unexplained[:, None]))[:, 0]
+        return door_places(self.doors, self.door, self.points, self.noise, left)
 
     def _nuisance(self) -> Nuisance:
         """Places of the doors and surfaces of the mill; its face anew from each step on."""
         wall = self.points.wall
         mill = np.column_stack([FLANK * wall, FACE * ~wall]) / self.noise[:, None]
         after = [mill[:, 1] * (self.door >= step) for step in self.steps]
-        return Nuisance(np.column_stack([self.door_places.known, mill, *after]), self.door_places.free)
+        columns, alike = self._alike
+        known = np.column_stack([self.door_places.known, mill, *after, columns])
+        return Nuisance(known, self.door_places.free, alike)
 
     def effects(self) -> list[Effect]:
         """Everything that may be wrong, whatever its course."""
@@ -191,7 +225,7 @@ class DoorProblem(Examined[InTime]):
                 (WEARS_AND_CHANGES, "drifting, changed from"),
             ):
                 found.append(SizeCourse(kind, times[step], *over, words=f"{word} {self.doors[step].name} on"))
-        return [*found, SizeCourse(DRIFTS, times[0], *over, words="drifting")]
+        return [*found, *(SizeCourse(kind, times[0], *over, words="drifting") for kind in (DRIFTS, GROWS))]
 
     def candidates(self) -> list[InTime]:
         """Every effect with every course that it may have."""
@@ -200,9 +234,17 @@ class DoorProblem(Examined[InTime]):
             InTime(effect, course)
             for effect in self.effects()
             for course in courses
-            if course.kind == ALWAYS
-            or (effect.lasting and effect.named and (effect.wears or course.kind != WEARS_AND_CHANGES))
+            if self._may_go(effect, course)
         ]
+
+    def _may_go(self, effect: Effect, course: SizeCourse) -> bool:
+        """Whether a course is one that an effect may have: of what a discrepancy could be only what was added."""
+        if self.discrepancy is not None and self.discrepancy.could_be(effect) and not effect.drifts:
+            return effect.lasting and effect.named and course.kind in (BEGINS, GROWS)
+        if course.kind == ALWAYS:
+            return True
+        kinds = (BEGINS, CHANGES, DRIFTS, *((WEARS_AND_CHANGES,) if effect.wears else ()))
+        return effect.lasting and effect.named and course.kind in kinds
 
     def predict(self, members: Sequence[InTime], theta: FloatArray, derivative: bool = False) -> Prediction:
         """Residuals, likelihood and derivatives of a model, as `Problem.predict`."""

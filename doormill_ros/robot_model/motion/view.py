@@ -25,6 +25,7 @@ class JointMotion:
         motor: Motor encoder over the gear ratio, shape (n,) [rad].
         link: Encoder behind the gear, shape (n,) [rad].
         torque: Motor torque times the gear ratio, shape (n,) [N m].
+        torque_noise: Standard deviation of the noise that a filter left in it [N m]; None where none was needed.
         gear_ratio: Turns of the motor for one of the joint.
         stiffness: Of the model in question [N m / rad].
     """
@@ -36,6 +37,7 @@ class JointMotion:
     torque: FloatArray
     gear_ratio: float
     stiffness: float
+    torque_noise: float | None = None
 
     def __len__(self) -> int:
         return len(self.time)

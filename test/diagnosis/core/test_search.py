@@ -162,3 +162,29 @@ def test_no_kind_of_data_has_a_way_or_a_verdict_of_its_own():
         "PoseDiagnosis",
         "MotionDiagnosis",
     }
+
+
+class Restless(Letters):
+    """A search in which each newcomer pushes out what was there, and is pushed out in turn."""
+
+    def __init__(self):
+        super().__init__()
+        self.steps = 0
+
+    def first_earning(self, best, grown):
+        self.steps += 1
+        assert self.steps < 20, "it goes round for ever"
+        newcomer = self.letters[0] if best.text == "b" else self.letters[1]
+        return Word((*best.members, newcomer))
+
+    def prune(self, best, strictly=False):
+        return Word(best.members[-1:])
+
+    def finished(self, best):
+        return best
+
+
+def test_causes_that_push_each_other_out_end_the_search():
+    search = Restless()
+    assert search.climbed(Word(())).text in ("a", "b")
+    assert search.steps <= 3

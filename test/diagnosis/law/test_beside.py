@@ -7,6 +7,7 @@ from doormill_ros.diagnosis.core.fit import fit
 from doormill_ros.diagnosis.core.preview import Preview
 from doormill_ros.diagnosis.law.beside import Beside
 from doormill_ros.diagnosis.law.linear import Established, LinearProblem
+from doormill_ros.diagnosis.law.remainder import searched_once
 from doormill_ros.robot_model.candidate import Candidate
 
 ROWS, COMPONENTS, ESTABLISHED = 90, 3, 40
@@ -98,3 +99,9 @@ def test_a_model_without_the_columns_is_fitted_the_long_way(remainder):
     short, long = Beside(problem, base).fit(terms[:1]), fit(problem, terms[:1])
     assert np.array_equal(short.theta, long.theta)
     assert np.array_equal(short.covariance, long.covariance)
+
+
+def test_what_is_established_needs_no_other_terms(remainder):
+    problem, base, _ = remainder
+    found = searched_once(problem, base, [])
+    assert found.best.members == (base,)

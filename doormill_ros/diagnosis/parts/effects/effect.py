@@ -22,12 +22,14 @@ class Effect(SizedEffect[CutCase]):
         of_weight: Whether it adds torques in proportion to theta, see `torques`.
         lasting: Whether its size may also change from door to door; else it has one size, or a course of its own.
         wears: Whether it may drift and change at a door, too; for factors on the wrench.
+        rigid: Whether it displaces the tool or the door as a whole, whatever the process is.
     """
 
     of_force = False
     of_weight = False
     lasting = True
     wears = False
+    rigid = False
 
     @property
     def of_load(self) -> bool:

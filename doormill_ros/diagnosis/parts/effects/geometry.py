@@ -20,6 +20,7 @@ class LinkOffsets(Unloaded):
 
     name = "link_geometry"
     lasting = False  # a link is as it was made
+    rigid = True
     parameters = (CauseParameter("offset", "m", -0.1, 0.1, 2), CauseParameter("angle", "rad", -0.1, 0.1, 2))
 
     def __init__(self, where: str) -> None:

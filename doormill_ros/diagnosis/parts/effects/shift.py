@@ -31,6 +31,7 @@ class Shift(Unloaded):
         sentence: str,
         scale: list[float],
         report: Callable[[FloatArray], FloatArray] = np.array,
+        rigid: bool = True,
     ) -> None:
         """Keep what it does.
 
@@ -42,9 +43,10 @@ class Shift(Unloaded):
             sentence: What it leaves.
             scale: Typical theta.
             report: Parameters of theta.
+            rigid: Whether it displaces the tool or the door as a whole.
         """
         super().__init__(where)
-        self.name, self.parameters = name, parameters
+        self.name, self.parameters, self.rigid = name, parameters, rigid
         self._columns, self._sentence, self._report = columns, sentence, report
         self.limit(scale)
 
@@ -105,6 +107,7 @@ class Warming(Unloaded):
     of_robot = False
     lasting = False
     drifts = True
+    rigid = True
     parameters = (CauseParameter("growth", "m", 0.0, 1e-2), CauseParameter("hours", "1", 0.0, 100.0))
 
     def __init__(self, hours: float) -> None:
@@ -162,6 +165,7 @@ def shifts() -> list[Effect]:
             "all walls are displaced into the wood or out of it by the same amount",
             [20.0],
             report=scaled,
+            rigid=False,
         ),
         Shift(
             "tool_length",

@@ -20,6 +20,7 @@ class _Weight(Effect):
 
     name = "gravity_sag"
     of_weight = True
+    rigid = True
 
     def pattern(self) -> str:
         """What it leaves."""

@@ -1,0 +1,86 @@
+"""A diagnosis of doors beside a discrepancy, told of the doors as they are."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from doormill_ros.arrays import FloatArray
+from doormill_ros.diagnosis.core.fit import Fit
+from doormill_ros.diagnosis.core.verdict import PARTLY_EXPLAINED, UNEXPLAINED, rmse
+from doormill_ros.diagnosis.parts.course import InTime
+from doormill_ros.diagnosis.parts.problem import DoorDiagnosis
+from doormill_ros.statistics import bootstrap_ratio
+from doormill_ros.units import m_to_um
+
+
+def with_discrepancy(found: DoorDiagnosis) -> DoorDiagnosis:
+    """The same with figures and verdict of the doors without their discrepancy: a law without a name is no name."""
+    plain, kept = found.problem.beside(None), found.kept
+
+    def left(model: Fit[InTime], of: FloatArray) -> FloatArray:
+        """What a model leaves of the doors as they are; `of` is what it leaves beside the discrepancy, shape (n, 1)."""
+        seen = plain.predict(model.members, model.theta).residual
+        return seen + of - model.prediction.residual
+
+    pair = found.baseline, found.extended
+    train = [rmse(left(model, model.prediction.residual), kept, 1) for model in pair]
+    unseen = [left(model, model.held_out) for model in pair]
+    groups = [kept & (plain.configuration == number) for number in np.unique(plain.configuration[kept])]
+    before, after = (np.array([np.sum(of[rows] ** 2) for rows in groups]) for of in unseen)
+    ratio, interval = bootstrap_ratio(before, after)
+    return replace(
+        found,
+        verdict=PARTLY_EXPLAINED if found.findings else UNEXPLAINED,
+        train_rmse=(train[0], train[1]),
+        holdout_rmse=(rmse(unseen[0], kept, 1), rmse(unseen[1], kept, 1)),
+        ratio=ratio,
+        ratio_ci=interval,
+    )
+
+
+def unnamed_document(diagnosis: DoorDiagnosis) -> dict[str, Any]:
+    """`unnamed` and `characterised` of diagnosis.json; nothing where nothing was asked beside a discrepancy."""
+    problem, kept = diagnosis.problem, diagnosis.kept
+    if problem.discrepancy is None:
+        return {}
+    squares = diagnosis.question.holdout_squares(diagnosis.extended, kept)
+    _, (low, high) = bootstrap_ratio(np.full(len(squares), squares.mean()), squares)
+    value = diagnosis.question.holdout_rmse(diagnosis.extended, kept)
+    law = {
+        "where": problem.discrepancy.where,
+        "acts_on": problem.discrepancy.acts_on,
+        "driver": problem.discrepancy.driver,
+        "law": _law(diagnosis),
+        "holdout_rmse_without": diagnosis.holdout_rmse[1],
+        "rivals": [],
+        "test": problem.discrepancy.test,
+    }
+    return {
+        "unnamed": [law],
+        "characterised": {"holdout_rmse": value, "ci95": [value * low, value * high]},
+    }
+
+
+def unnamed_sentences(diagnosis: DoorDiagnosis) -> list[str]:
+    """What of it the report says."""
+    discrepancy = diagnosis.problem.discrepancy
+    if discrepancy is None:
+        return []
+    left = diagnosis.question.holdout_rmse(diagnosis.extended, diagnosis.kept)
+    causes = "Causes that displace the tool as a whole" if discrepancy.rigid else "Causes"
+    return [
+        f"Without a name: {_law(diagnosis)}; beside that the doors leave {m_to_um(left):.1f} um. {causes} are named "
+        "only where they begin or drift: one that was always there would be a part of this.",
+        f"What it is: {discrepancy.test}.",
+    ]
+
+
+def _law(diagnosis: DoorDiagnosis) -> str:
+    discrepancy = diagnosis.problem.discrepancy
+    assert discrepancy is not None  # asked by those who looked
+    left = diagnosis.question.train_rmse(diagnosis.extended, diagnosis.kept)
+    size = np.sqrt(max(diagnosis.train_rmse[1] ** 2 - left**2, 0.0))
+    return f"{discrepancy.words}, by {m_to_um(size):.0f} um root mean square"
