@@ -30,8 +30,10 @@ from doormill_ros.pages.page import Block, Charts, PageSection, Paragraphs, Tabl
 from doormill_ros.robot_model.motion.model import model_document
 from doormill_ros.units import UM
 
-METHOD = """The model in question says that the link lags behind the motor by torque over stiffness. Each cause adds
-to that difference in proportion to its numbers; a skew and the width of a hysteresis are found by stepping. Each
+METHOD = """The model in question says that the link lags behind the motor by torque over stiffness. Noise makes a
+spring look harder than it is, so a torque with much white noise was filtered as far as it showed nothing else. Each
+cause adds to that difference in proportion to its numbers; a skew and the width of a hysteresis are found by stepping.
+Friction and damping are torques that the spring does not see, a damper beside the spring is not in the library. Each
 recording is cut into twenty contiguous blocks, every tenth is predicted by a fit that has not seen it. A cause is
 named if that improves by far more than what is left has at the frequencies of the cause, in most blocks, by a
 twentieth at least, and if no shape without a name does clearly better in its place; with several recordings also if

@@ -23,8 +23,6 @@ from doormill_ros.diagnosis.parts.gauged_door import GaugedDoor
 from doormill_ros.frames import inverse
 from doormill_ros.robot_model.elastic.causes.registry import JOINTS
 
-#: Standard deviation of a discrepancy over what the doors show of it: it is to leave little of that to causes.
-_GENEROUS = 3.0
 _SAME = 1e-3  #: points of a recipe's surface nearer than this are one [m]
 
 
@@ -36,8 +34,9 @@ class Discrepancy:
         size: Root mean square of what the doors show of it [m].
         where, acts_on, driver: As `unnamed` of diagnosis.json has them.
         words: What it is like.
+        hides: Which causes it may hide, in a sentence.
         test: What would tell what it is.
-        rigid: Whether it displaces the tool as a whole, and nothing else.
+        generous: Its standard deviation over what the doors show: it is to leave little of that to causes.
         recurring: Doors of a recipe that have to show it, on average.
         varies: Share of it by which doors differ.
     """
@@ -46,8 +45,9 @@ class Discrepancy:
     acts_on: ClassVar[str]
     driver: ClassVar[str]
     words: ClassVar[str]
+    hides: ClassVar[str]
     test: ClassVar[str]
-    rigid: ClassVar[bool] = False
+    generous: ClassVar[float] = 3.0
     recurring: ClassVar[int] = 1
     varies: ClassVar[float] = 0.0
 
@@ -55,7 +55,7 @@ class Discrepancy:
 
     def could_be(self, effect: Effect) -> bool:
         """Whether an effect of one size might be taken for it: then only its changes are told."""
-        return effect.rigid or not self.rigid
+        raise NotImplementedError
 
     def columns(self, case: CutCase) -> FloatArray:
         """What numbers of unit variance make of the points, shape (n, k) [m]."""
@@ -73,7 +73,30 @@ class Discrepancy:
     @property
     def spread(self) -> float:
         """Standard deviation of what it makes of a point [m]."""
-        return _GENEROUS * self.size
+        return self.generous * self.size
+
+
+class ForceDiscrepancy(Discrepancy):
+    """A process force that is another one at every door, as wood is."""
+
+    where = "tool"
+    acts_on = "process force"
+    driver = "constant"
+    words = "the process force is another one at every door, by chance, which moves the walls"
+    hides = "A force that is a little larger or smaller throughout would be a part of this."
+    test = "the load of the spindle, door by door, tells whether the wood or the mill makes it so"
+    generous = 1.0  # every door tells its own: what is too much passes for a force that nobody knows
+
+    def could_be(self, effect: Effect) -> bool:
+        """Nothing: chance neither begins nor stays."""
+        return False
+
+    def columns(self, case: CutCase) -> FloatArray:
+        """The springs of each door, in proportion to its force."""
+        springs = case.springs()
+        share = self.spread / max(float(np.sqrt(np.mean(springs**2))), 1e-9)
+        own: FloatArray = share * springs[:, None] * (case.time[:, None] == np.unique(case.time))
+        return own
 
 
 class ArmDiscrepancy(Discrepancy):
@@ -83,8 +106,15 @@ class ArmDiscrepancy(Discrepancy):
     acts_on = "place of the tool"
     driver = "own angle"
     words = "the tool is beside its place whether it cuts or not, by another way in every posture"
+    hides = (
+        "Causes that displace the tool as a whole are named only where they begin or drift: one that was always "
+        "there would be a part of this."
+    )
     test = "poses of the robot, measured by a tracker (a pose set), tell which links are off"
-    rigid = True
+
+    def could_be(self, effect: Effect) -> bool:
+        """What displaces the tool as a whole."""
+        return effect.rigid
 
     def columns(self, case: CutCase) -> FloatArray:
         """Lengths and angles of all links; an angle of them moves the tool by a metre's length."""
@@ -100,12 +130,19 @@ class WallDiscrepancy(Discrepancy):
     acts_on = "walls and floors"
     driver = "constant"
     words = "every door of a recipe has the same walls, which are not those that were asked for"
+    hides = (
+        "Causes are named only where they begin or drift: one that was always there would be a part of this."
+    )
     test = (
         "the same feature milled without load (a second pass along the finished wall) tells whether forces make it, "
         "at half the speed whether the controller does"
     )
     recurring = 3
     varies = 0.01  # doors stand differently by up to 10 mm, an arm is longer than 1 m, and springs act by its length
+
+    def could_be(self, effect: Effect) -> bool:
+        """Anything."""
+        return True
 
     def groups(self, place: FloatArray, surface: IntArray) -> IntArray | None:
         """Points of a recipe that are measured on every door of it."""
@@ -158,4 +195,4 @@ def made_by(
 
 
 #: In the order in which they are tried: what asks less of the doors first.
-DISCREPANCIES: Sequence[type[Discrepancy]] = (ArmDiscrepancy, WallDiscrepancy)
+DISCREPANCIES: Sequence[type[Discrepancy]] = (ForceDiscrepancy, ArmDiscrepancy, WallDiscrepancy)

@@ -110,18 +110,26 @@ class Inspections(SearchedKind[InspectedDoor, DoorProblem, InTime]):
         Where something is left that no cause names, they are asked once more beside what every door may show alike.
         """
         found = self._asked(self.problem(sets), progress)
-        if found.verdict not in (PARTLY_EXPLAINED, UNEXPLAINED):
+        best = found.best
+        known = all(member.named for member in best.members) and found.question.at_noise(best)
+        if known or found.verdict not in (PARTLY_EXPLAINED, UNEXPLAINED):
             return found
         recurring = len(found.problem.doors) / len({door.recipe for door in found.problem.doors})
-        named = {finding.cause.key for finding in found.findings}
         for discrepancy in DISCREPANCIES:
-            beside = found.problem.beside(discrepancy(found.problem.off))
-            if recurring < discrepancy.recurring or beside.shown > _MAIN * found.problem.shown:
+            asked = discrepancy(found.problem.off)
+            beside = found.problem.beside(asked)
+            if recurring < asked.recurring or beside.shown > _MAIN * found.problem.shown:
                 continue
-            progress(f"asking beside what every door may show alike: {discrepancy.acts_on}")
+            progress(f"asking beside what every door may show alike: {asked.acts_on}")
             other = self._asked(beside, progress)
             told = {finding.cause.key for finding in other.findings}
-            if other.question.at_noise(other.extended) and told >= named:
+            # What it could be itself is not given up for it; any other name was given beside more than noise.
+            lost = [
+                one
+                for one in found.findings
+                if asked.could_be(one.cause.effect) and one.cause.key not in told
+            ]
+            if other.question.at_noise(other.extended) and not lost:
                 return with_discrepancy(other)
         return found
 

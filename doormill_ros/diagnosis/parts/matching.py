@@ -115,11 +115,13 @@ def matched_points(
             if len(rows):
                 at = _Place(inspection, rows, feature, T_base_feature, cut.T_base_door, robot, T_flange_tool)
                 moments = at.moments(way, np.zeros(2))
+                points = at.matched(way, moments)
                 if wall and datum == CAMERA:
                     # Against another datum nobody knows whether the tool was beside its place or the gauge.
-                    off = at.displaced(moments)
-                    moments = at.moments(way, off) if np.linalg.norm(off) > DISPLACED else moments
-                found.append(at.matched(way, moments))
+                    off = at.displaced(moments, points)
+                    if np.linalg.norm(off) > DISPLACED:
+                        points = at.matched(way, at.moments(way, off))
+                found.append(points)
     found = [part for part in found if len(part)]
     if not found:
         raise inspection.refuse("run_id", "names a run that cut none of the measured points under one load")
@@ -242,9 +244,16 @@ class _Place:
             turned[i] = np.any(way.direction[rivals[close]] != way.direction[at[i]], axis=0)
         return _Moments(at, sent, pushed, spread, turned)
 
-    def displaced(self, moments: _Moments) -> FloatArray:
-        """By how much the whole feature was milled beside its place, in its plane, shape (2,) [m]."""
-        cut = np.isfinite(moments.sent)
+    def displaced(self, moments: _Moments, points: CutPoints) -> FloatArray:
+        """By how much the whole feature was milled beside its place, in its plane, shape (2,) [m].
+
+        Args:
+            moments: When each point was cut.
+            points: Those that tell of a single moment; where these are few all count, which tell it well enough.
+        """
+        cut = np.isin(self.rows, points.row)
+        if cut.sum() < _ENOUGH:
+            cut = np.isfinite(moments.sent)
         if cut.sum() < _ENOUGH:
             return np.zeros(2)
         left = self.inspection.deviation[self.rows] - moments.sent - moments.pushed

@@ -70,10 +70,8 @@ def unnamed_sentences(diagnosis: DoorDiagnosis) -> list[str]:
     if discrepancy is None:
         return []
     left = diagnosis.question.holdout_rmse(diagnosis.extended, diagnosis.kept)
-    causes = "Causes that displace the tool as a whole" if discrepancy.rigid else "Causes"
     return [
-        f"Without a name: {_law(diagnosis)}; beside that the doors leave {m_to_um(left):.1f} um. {causes} are named "
-        "only where they begin or drift: one that was always there would be a part of this.",
+        f"Without a name: {_law(diagnosis)}; beside that the doors leave {m_to_um(left):.1f} um. {discrepancy.hides}",
         f"What it is: {discrepancy.test}.",
     ]
 

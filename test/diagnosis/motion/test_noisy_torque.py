@@ -1,4 +1,4 @@
-"""A torque that is read with much noise makes springs look harder: nothing is named for it, and springs come out right."""
+"""Much noise in a torque makes springs look harder: nothing is named for it, and springs come out right."""
 
 import numpy as np
 import pytest
