@@ -52,7 +52,7 @@ more than that place is known."""
 
 #: That noise leaves as much, or that doors stand as differently, where nothing hides behind their places.
 _CHANCE = 1e-4
-#: Share of what the doors show that has to be left beside a discrepancy at most, to ask beside it.
+#: Share of what named causes leave beyond noise that may be left beside a discrepancy, to ask beside it.
 _MAIN = 0.5
 #: Times that slips are looked for beside what was found: without the largest others show.
 _ROUNDS = 3
@@ -114,20 +114,22 @@ class Inspections(SearchedKind[InspectedDoor, DoorProblem, InTime]):
         known = all(member.named for member in best.members) and found.question.at_noise(best)
         if known or found.verdict not in (PARTLY_EXPLAINED, UNEXPLAINED):
             return found
+        told = found.extended
         recurring = len(found.problem.doors) / len({door.recipe for door in found.problem.doors})
         for discrepancy in DISCREPANCIES:
             asked = discrepancy(found.problem.off)
             beside = found.problem.beside(asked)
-            if recurring < asked.recurring or beside.shown > _MAIN * found.problem.shown:
+            left, before = (one.excess(told.members, told.theta) for one in (beside, found.problem))
+            if recurring < asked.recurring or left > _MAIN * before:
                 continue
             progress(f"asking beside what every door may show alike: {asked.acts_on}")
             other = self._asked(beside, progress)
-            told = {finding.cause.key for finding in other.findings}
+            keys = {finding.cause.key for finding in other.findings}
             # What it could be itself is not given up for it; any other name was given beside more than noise.
             lost = [
                 one
                 for one in found.findings
-                if asked.could_be(one.cause.effect) and one.cause.key not in told
+                if asked.could_be(one.cause.effect) and one.cause.key not in keys
             ]
             if other.question.at_noise(other.extended) and not lost:
                 return with_discrepancy(other)

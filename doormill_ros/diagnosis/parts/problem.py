@@ -155,10 +155,14 @@ class DoorProblem(Examined[InTime]):
         """How far the walls are off beside what the springs make, root mean square [m]."""
         return float(np.sqrt(np.mean((self.measured - self.case.springs()) ** 2)))
 
-    @property
-    def shown(self) -> float:
-        """What the doors show beside places, mill and discrepancy: mean square in standard deviations."""
-        return float(np.mean(self.predict((), np.zeros(0)).cost))
+    def excess(self, members: Sequence[InTime], theta: FloatArray) -> float:
+        """What a model leaves beyond noise beside places, mill and discrepancy, mean square in standard deviations.
+
+        Args:
+            members: Of the model.
+            theta: Its numbers, shape (p,).
+        """
+        return float(np.mean(self.predict(members, theta).cost)) - 1.0
 
     def beside(self, discrepancy: Discrepancy | None) -> Self:
         """The same doors with another discrepancy, or none."""
