@@ -19,11 +19,9 @@ from doormill_ros.diagnosis.core.changes import (
     diagnosed_at,
 )
 from doormill_ros.diagnosis.core.kind import Progress, SearchedKind
-from doormill_ros.diagnosis.core.verdict import PARTLY_EXPLAINED, UNEXPLAINED
 from doormill_ros.diagnosis.core.wording import Words
 from doormill_ros.diagnosis.parts.charts import charts_of
 from doormill_ros.diagnosis.parts.course import InTime
-from doormill_ros.diagnosis.parts.discrepancy import DISCREPANCIES
 from doormill_ros.diagnosis.parts.gauged_door import GaugedDoor
 from doormill_ros.diagnosis.parts.in_use import in_use_document
 from doormill_ros.diagnosis.parts.matching import matched_points
@@ -35,7 +33,11 @@ from doormill_ros.diagnosis.parts.recorded_cut import RecordedCut, recorded_cut
 from doormill_ros.diagnosis.parts.slips import BESIDE, FAR, slips, slips_beside
 from doormill_ros.diagnosis.parts.steps import possible_steps
 from doormill_ros.diagnosis.parts.warming import warmed
-from doormill_ros.diagnosis.parts.without_name import unnamed_document, unnamed_sentences, with_discrepancy
+from doormill_ros.diagnosis.parts.without_name import (
+    asked_beside,
+    unnamed_document,
+    unnamed_sentences,
+)
 from doormill_ros.distributions import chi2_sf
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.measurements.inspection import CAMERA, Inspection, inspections_in
@@ -52,8 +54,6 @@ more than that place is known."""
 
 #: That noise leaves as much, or that doors stand as differently, where nothing hides behind their places.
 _CHANCE = 1e-4
-#: Share of what named causes leave beyond noise that may be left beside a discrepancy, to ask beside it.
-_MAIN = 0.5
 #: Times that slips are looked for beside what was found: without the largest others show.
 _ROUNDS = 3
 
@@ -109,31 +109,7 @@ class Inspections(SearchedKind[InspectedDoor, DoorProblem, InTime]):
 
         Where something is left that no cause names, they are asked once more beside what every door may show alike.
         """
-        found = self._asked(self.problem(sets), progress)
-        best = found.best
-        known = all(member.named for member in best.members) and found.question.at_noise(best)
-        if known or found.verdict not in (PARTLY_EXPLAINED, UNEXPLAINED):
-            return found
-        told = found.extended
-        recurring = len(found.problem.doors) / len({door.recipe for door in found.problem.doors})
-        for discrepancy in DISCREPANCIES:
-            asked = discrepancy(found.problem.off)
-            beside = found.problem.beside(asked)
-            left, before = (one.excess(told.members, told.theta) for one in (beside, found.problem))
-            if recurring < asked.recurring or left > _MAIN * before:
-                continue
-            progress(f"asking beside what every door may show alike: {asked.acts_on}")
-            other = self._asked(beside, progress)
-            keys = {finding.cause.key for finding in other.findings}
-            # What it could be itself is not given up for it; any other name was given beside more than noise.
-            lost = [
-                one
-                for one in found.findings
-                if asked.could_be(one.cause.effect) and one.cause.key not in keys
-            ]
-            if other.question.at_noise(other.extended) and not lost:
-                return with_discrepancy(other)
-        return found
+        return asked_beside(self._asked(self.problem(sets), progress), self._asked, progress)
 
     def _asked(self, problem: DoorProblem, progress: Progress) -> DoorDiagnosis:
         """Look for steps, search, examine and weigh, again where slips or the doors' places make that necessary.

@@ -1,7 +1,8 @@
-"""A diagnosis of doors beside a discrepancy, told of the doors as they are."""
+"""Doors asked once more beside what all of them show alike, and what is told of that."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -9,11 +10,48 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.core.fit import Fit
+from doormill_ros.diagnosis.core.kind import Progress
 from doormill_ros.diagnosis.core.verdict import PARTLY_EXPLAINED, UNEXPLAINED, rmse
 from doormill_ros.diagnosis.parts.course import InTime
-from doormill_ros.diagnosis.parts.problem import DoorDiagnosis
+from doormill_ros.diagnosis.parts.discrepancy import DISCREPANCIES
+from doormill_ros.diagnosis.parts.problem import DoorDiagnosis, DoorProblem
 from doormill_ros.statistics import bootstrap_ratio
 from doormill_ros.units import m_to_um
+
+#: Questions doors.
+Ask = Callable[[DoorProblem, Progress], DoorDiagnosis]
+#: Share of what named causes leave beyond noise that may be left beside a discrepancy, to ask beside it.
+_MAIN = 0.5
+
+
+def asked_beside(found: DoorDiagnosis, ask: Ask, progress: Progress) -> DoorDiagnosis:
+    """Where doors show more than noise, what is said beside the first discrepancy that leaves noise; else the same.
+
+    Args:
+        found: What is said of the doors without one.
+        ask: Questions the doors.
+        progress: Told of every step.
+    """
+    problem, best, extended = found.problem, found.best, found.extended
+    known = all(member.named for member in best.members) and found.question.at_noise(best)
+    if known or found.verdict not in (PARTLY_EXPLAINED, UNEXPLAINED):
+        return found
+    recurring = len(problem.doors) / len({door.recipe for door in problem.doors})
+    before = problem.excess(extended.members, extended.theta)
+    for kind in DISCREPANCIES:
+        discrepancy = kind(problem.off)
+        beside = problem.beside(discrepancy)
+        left = beside.excess(extended.members, extended.theta)
+        if recurring < discrepancy.recurring or left > _MAIN * before:
+            continue
+        progress(f"asking beside what every door may show alike: {discrepancy.acts_on}")
+        other = ask(beside, progress)
+        keys = {finding.cause.key for finding in other.findings}
+        # What it could be itself is not given up for it; any other name was given beside more than noise.
+        asked = [one for one in found.findings if discrepancy.could_be(one.cause.effect)]
+        if other.question.at_noise(other.extended) and all(one.cause.key in keys for one in asked):
+            return with_discrepancy(other)
+    return found
 
 
 def with_discrepancy(found: DoorDiagnosis) -> DoorDiagnosis:
