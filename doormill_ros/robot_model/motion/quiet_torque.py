@@ -23,9 +23,8 @@ _BAND = 41  #: frequencies whose powers are averaged to be compared with the noi
 _ABOVE = 2.0  #: times the noise's power, from which on a band holds more than noise
 _WIDER = 1.5  #: times the last such frequency is let through
 _ORDER = 4
-_FAST = (
-    2.0  #: deviations of the noise by which the torque moves faster than the filter: there it stays as it is
-)
+#: Deviations of the noise by which the torque moves faster than the filter: there it stays as it is.
+_FAST = 2.0
 _NEAR = 9  #: samples over which that is looked at
 _SHORT = 200  #: samples below which nothing is filtered
 

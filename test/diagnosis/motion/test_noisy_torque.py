@@ -5,7 +5,9 @@ import pytest
 
 from doormill_ros.diagnosis.motion.account import named_causes
 from doormill_ros.diagnosis.motion.diagnosis import diagnose_motions
+from doormill_ros.diagnosis.motion.patterns import unnamed_patterns
 from doormill_ros.measurements.motion_set import read_motion_set
+from doormill_ros.robot_model.motion.view import JointMotion
 from support.motion_world import STIFFNESS, Recording, record
 
 NOISE = (
@@ -17,7 +19,7 @@ NOISE = (
 
 def diagnosed(folder, hidden, seed):
     data = read_motion_set(record(folder / "set", hidden, seed))
-    assert all(0.0 < motion.torque_noise < 0.3 * NOISE[2] for motion in data.motions)
+    assert all(0.0 < motion.torque_noise < 0.3 * hidden.noise[2] for motion in data.motions)
     diagnosis = diagnose_motions([data])
     return diagnosis, {(one.cause, one.where): one.parameters for one in named_causes(diagnosis)}
 
@@ -29,6 +31,25 @@ def test_noise_of_the_torque_is_no_spring(tmp_path, seed, stated):
     assert (diagnosis.verdict, named) == ("consistent", {})
 
 
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_torque_that_is_nearly_all_noise_names_no_spring(tmp_path, seed):
+    # Joint 1 deviates by some 180 N m: even what the filter leaves, 100, makes its spring look half as hard again.
+    hidden = Recording(noise=(1.0e-5, 1.0e-6, 900.0), seconds=40.0)
+    _, named = diagnosed(tmp_path, hidden, seed)
+    assert named == {}
+
+
+@pytest.mark.parametrize(("load", "offered"), [(0.0, True), (1e5, False), (-1e5, False)])
+def test_the_size_of_a_torque_that_never_turns_back_is_no_shape_of_its_own(load, offered):
+    time = np.arange(2000) / 250.0
+    swing = np.sin(time)
+    torque = 800.0 * np.sin(3.0 * time) + load
+    joint = JointMotion(1, time, swing, swing - torque / STIFFNESS[0], torque, 250.0, STIFFNESS[0])
+    spoken = [pattern.spoken for pattern in unnamed_patterns(0, [[joint]])]
+    assert ("the size of its torque" in spoken) == offered
+    assert "the size of its speed" in spoken
+
+
 def test_a_spring_is_right_beside_it(tmp_path):
     hidden = Recording(noise=NOISE, seconds=40.0).with_gear(2, stiffness=0.85)
     diagnosis, named = diagnosed(tmp_path, hidden, 5)
@@ -36,21 +57,3 @@ def test_a_spring_is_right_beside_it(tmp_path):
     found = named["joint_stiffness", "joint 2"]["stiffness"]
     assert found["value"] == pytest.approx(0.85 * STIFFNESS[1], abs=5.0 * found["std"])
     assert found["std"] < 0.02 * STIFFNESS[1]
-
-
-def test_a_torque_that_never_turns_back_has_no_size_of_its_own(tmp_path):
-    hidden = Recording(seconds=20.0).with_gear(2, stiffness=0.7, late=3e-5)
-    folder = record(tmp_path / "set", hidden, 1)
-    names = (folder / "samples.csv").read_text().splitlines()[0].split(",")
-    table = np.loadtxt(folder / "samples.csv", delimiter=",", skiprows=1)
-    torque, link = names.index("tau2"), names.index("l2")
-    more = 1.2 * np.max(-np.minimum(table[:, torque], 0.0)) + 1000.0  # a load that always bears one way
-    table[:, torque] += more
-    table[:, link] -= more / (0.7 * STIFFNESS[1])
-    np.savetxt(folder / "samples.csv", table, delimiter=",", header=",".join(names), comments="", fmt="%.12g")
-    diagnosis = diagnose_motions([read_motion_set(folder)])
-    assert diagnosis.verdict == "explained"
-    assert {(one.cause, one.where) for one in named_causes(diagnosis)} == {
-        ("joint_stiffness", "joint 2"),
-        ("time_skew", "joint 2"),
-    }
