@@ -173,23 +173,29 @@ def recurring(doors: Sequence[GaugedDoor], door: IntArray, points: CutPoints) ->
 
 
 def made_by(
-    discrepancy: Discrepancy | None, case: CutCase, place: FloatArray, surface: IntArray, noise: FloatArray
+    discrepancy: Discrepancy | None,
+    case: CutCase,
+    doors: Sequence[GaugedDoor],
+    door: IntArray,
+    points: CutPoints,
+    noise: FloatArray,
 ) -> tuple[FloatArray, Alike | None]:
     """What a discrepancy makes of points by numbers of unit variance, whitened.
 
     Args:
         discrepancy: None for none.
         case: The points.
-        place: As `recurring` has it, shape (n, 3) [m].
-        surface: The same, shape (n,).
-        noise: Standard deviation of each, shape (n,) [m].
+        doors: All of them.
+        door: Number of the door of each point, shape (n,).
+        points: Of all doors.
+        noise: Standard deviation of each point, shape (n,) [m].
 
     Returns:
         Columns of shape (n, k), and what groups of points have in common, None for nothing.
     """
     if discrepancy is None:
         return np.zeros((len(case), 0)), None
-    groups = discrepancy.groups(place, surface)
+    groups = discrepancy.groups(*recurring(doors, door, points))
     alike = None if groups is None else Alike(groups, discrepancy.spread / noise)
     return discrepancy.columns(case) / noise[:, None], alike
 

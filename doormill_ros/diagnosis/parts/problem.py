@@ -28,7 +28,7 @@ from doormill_ros.diagnosis.core.wording import METRES
 from doormill_ros.diagnosis.parts.case import CutCase
 from doormill_ros.diagnosis.parts.course import InTime
 from doormill_ros.diagnosis.parts.cut_points import CutPoints
-from doormill_ros.diagnosis.parts.discrepancy import Discrepancy, made_by, recurring
+from doormill_ros.diagnosis.parts.discrepancy import Discrepancy, made_by
 from doormill_ros.diagnosis.parts.effects.effect import Effect
 from doormill_ros.diagnosis.parts.effects.registry import effects
 from doormill_ros.diagnosis.parts.gauged_door import GaugedDoor
@@ -111,8 +111,7 @@ class DoorProblem(Examined[InTime]):
         self.steps: tuple[int, ...] = ()
         self._unexplained = (self.measured - self.case.springs()) / self.noise
         self.discrepancy = discrepancy
-        places = recurring(self.doors, self.door, self.points)
-        self._alike = made_by(discrepancy, self._case, *places, self.noise)
+        self._alike = made_by(discrepancy, self._case, self.doors, self.door, self.points, self.noise)
         self.door_places = self._places()
         self.nuisance = self._nuisance()
 

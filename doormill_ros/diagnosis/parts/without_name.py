@@ -8,11 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.core.fit import Fit
 from doormill_ros.diagnosis.core.kind import Progress
 from doormill_ros.diagnosis.core.verdict import PARTLY_EXPLAINED, UNEXPLAINED, rmse
-from doormill_ros.diagnosis.parts.course import InTime
 from doormill_ros.diagnosis.parts.discrepancy import DISCREPANCIES
 from doormill_ros.diagnosis.parts.problem import DoorDiagnosis, DoorProblem
 from doormill_ros.statistics import bootstrap_ratio
@@ -56,24 +53,22 @@ def asked_beside(found: DoorDiagnosis, ask: Ask, progress: Progress) -> DoorDiag
 
 def with_discrepancy(found: DoorDiagnosis) -> DoorDiagnosis:
     """The same with figures and verdict of the doors without their discrepancy: a law without a name is no name."""
-    plain, kept = found.problem.beside(None), found.kept
-
-    def left(model: Fit[InTime], of: FloatArray) -> FloatArray:
-        """What a model leaves of the doors as they are; `of` is what it leaves beside the discrepancy, shape (n, 1)."""
-        seen = plain.predict(model.members, model.theta).residual
-        return seen + of - model.prediction.residual
-
+    plain, kept, question = found.problem.beside(None), found.kept, found.question
     pair = found.baseline, found.extended
-    train = [rmse(left(model, model.prediction.residual), kept, 1) for model in pair]
-    unseen = [left(model, model.held_out) for model in pair]
-    groups = [kept & (plain.configuration == number) for number in np.unique(plain.configuration[kept])]
-    before, after = (np.array([np.sum(of[rows] ** 2) for rows in groups]) for of in unseen)
+    left = [plain.predict(model.members, model.theta).residual for model in pair]
+    # What a model loses on rows left out it loses with a discrepancy and without.
+    unseen = [
+        replace(model, held_out=seen + model.held_out - model.prediction.residual)
+        for model, seen in zip(pair, left, strict=True)
+    ]
+    train = [rmse(seen, kept, plain.components) for seen in left]
+    before, after = (question.holdout_squares(model, kept) for model in unseen)
     ratio, interval = bootstrap_ratio(before, after)
     return replace(
         found,
         verdict=PARTLY_EXPLAINED if found.findings else UNEXPLAINED,
         train_rmse=(train[0], train[1]),
-        holdout_rmse=(rmse(unseen[0], kept, 1), rmse(unseen[1], kept, 1)),
+        holdout_rmse=(question.holdout_rmse(unseen[0], kept), question.holdout_rmse(unseen[1], kept)),
         ratio=ratio,
         ratio_ci=interval,
     )

@@ -37,8 +37,11 @@ def quiet_torque(torque: FloatArray) -> tuple[FloatArray, float | None]:
     Args:
         torque: At even times, shape (n,) [N m].
     """
+    if len(torque) < _SHORT:
+        return torque, None
     noise = white_noise(torque)
-    if len(torque) < _SHORT or noise < MATTERS * float(np.std(torque)) or not _white(torque, noise):
+    # A torque that never changes has neither noise nor anything that a filter could spare.
+    if noise <= MATTERS * float(np.std(torque)) or not _white(torque, noise):
         return torque, None
     # A line from end to end: else the ends of a recording, put together, are a jump with all frequencies.
     line = np.linspace(torque[0], torque[-1], len(torque))

@@ -41,6 +41,13 @@ def test_a_torque_with_little_noise_stays_as_it_is():
     np.testing.assert_array_equal(quiet, torque)
 
 
+@pytest.mark.parametrize("torque", [np.zeros(COUNT), np.full(COUNT, 800.0), SMOOTH[:3]])
+def test_a_torque_that_was_never_read_stays_as_it_is(torque):
+    quiet, left = quiet_torque(torque)
+    assert left is None
+    np.testing.assert_array_equal(quiet, torque)
+
+
 @pytest.mark.parametrize("name", ["A", "B"])
 def test_the_ripple_of_a_drive_is_no_noise(name):
     data = read_motion_set(ROOT / "test" / "data" / "kr300" / name)
