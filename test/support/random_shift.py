@@ -68,7 +68,9 @@ def next_doors(seed: int) -> tuple[tuple[Recipe, np.ndarray], ...]:
     return tuple((door.recipe, door.T_base_door) for door in random_doors(seed + FOLLOWING, 2))
 
 
-def random_shift(folder: Path, world: dict, doors: tuple[Commanded, ...], seed: int) -> list[InspectedDoor]:
+def random_shift(
+    folder: Path, world: dict, doors: tuple[Commanded, ...], seed: int, dh: np.ndarray | None = None
+) -> list[InspectedDoor]:
     """The doors as a world mills them, gauged and joined with what their runs tell.
 
     Args:
@@ -76,8 +78,9 @@ def random_shift(folder: Path, world: dict, doors: tuple[Commanded, ...], seed: 
         world: Content of a world file without its schema.
         doors: In order.
         seed: Of where the localizer's poses scatter.
+        dh: Table of the robot that mills, shape (6, 4) [rad, m, m, rad]; None for the published one.
     """
-    inspections = inspections_in(gauged_runs(folder, world, doors, seed))
+    inspections = inspections_in(gauged_runs(folder, world, doors, seed, dh=dh))
     began = [BEGAN + timedelta(seconds=number * TAKT) for number in range(len(doors))]
     return [
         inspected_door(inspection, _cut_of(door, at.timestamp()))

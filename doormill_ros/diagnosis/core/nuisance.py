@@ -31,11 +31,19 @@ class Alike:
         made: FloatArray = self.effect[:, None] * (share[:, None] * seen)[self.group]
         return rows - made
 
+    @property
+    def log_determinant(self) -> float:
+        """Of the covariance of the rows."""
+        return float(np.sum(np.log1p(np.bincount(self.group, self.effect**2))))
+
 
 class Nuisance:
     """Takes from whitened rows what nuisance parameters can make, as far as these are not known.
 
     It is a root of the inverse of the covariance of all rows: identity plus that of the parameters.
+
+    Attributes:
+        log_determinant: Of that covariance, parameters that may be anything left out.
     """
 
     def __init__(self, columns: FloatArray, free: FloatArray, alike: Alike | None = None) -> None:
@@ -54,6 +62,8 @@ class Nuisance:
         basis, size, _ = np.linalg.svd(known, full_matrices=False)
         self._basis = np.hstack([unknown, basis])
         self._share = np.concatenate([np.ones(unknown.shape[1]), 1.0 - 1.0 / np.sqrt(1.0 + size**2)])
+        of_groups = 0.0 if alike is None else alike.log_determinant
+        self.log_determinant = of_groups + float(np.sum(np.log1p(size**2)))
 
     def take(self, rows: FloatArray) -> FloatArray:
         """Whitened rows, shape (n, p), less what the parameters can make."""

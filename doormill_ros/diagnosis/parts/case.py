@@ -10,6 +10,7 @@ import numpy as np
 from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
+TOOL = "tool"  #: the place of an effect that all tools have alike
 _JOINTS = "joints along the normals"  #: among the columns that no load changes
 
 
@@ -22,6 +23,7 @@ class CutCase:
         normal: Unit normals into the wood, base axes, shape (n, 3).
         wall: Which points lie on a wall, the others on a floor; shape (n,).
         kind: Kind of the feature of each point, shape (n,).
+        tool: Name of the tool that cut it, shape (n,).
         bend: Curvature of the tool's way where it cut each, base axes, shape (n, 3) [1 / m].
         time: When the door of each point was milled [s since the epoch], shape (n,).
         eye: Where the camera stood that saw the door of each point, base frame, shape (n, 3) [m].
@@ -33,6 +35,7 @@ class CutCase:
     normal: FloatArray
     wall: BoolArray
     kind: np.ndarray[tuple[int], np.dtype[np.str_]]
+    tool: np.ndarray[tuple[int], np.dtype[np.str_]]
     bend: FloatArray
     time: FloatArray
     eye: FloatArray
@@ -41,6 +44,10 @@ class CutCase:
 
     def __len__(self) -> int:
         return len(self.normal)
+
+    def cut_by(self, where: str) -> BoolArray:
+        """Which points a tool cut, or any tool in a kind of feature, or any at all where it is TOOL; shape (n,)."""
+        return np.full(len(self), True) if where == TOOL else (self.kind == where) | (self.tool == where)
 
     def along(self, displacement: FloatArray) -> FloatArray:
         """What displacements, shape (n, 3) or (n, 3, p), are along the normals, shape (n,) or (n, p)."""

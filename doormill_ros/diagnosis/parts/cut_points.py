@@ -28,6 +28,7 @@ class CutPoints:
         bend: Curvature of the tool's way there, towards its centre, base axes, shape (n, 3) [1 / m].
         row: Of each point among those of its inspection, counted from 0, shape (n,).
         feature, kind: Name in the recipe and kind of the feature of each point, shape (n,).
+        tool: Name of the tool that cut it, shape (n,).
     """
 
     point: FloatArray
@@ -43,6 +44,7 @@ class CutPoints:
     row: IntArray
     feature: np.ndarray[tuple[int], np.dtype[np.str_]]
     kind: np.ndarray[tuple[int], np.dtype[np.str_]]
+    tool: np.ndarray[tuple[int], np.dtype[np.str_]]
 
     def __len__(self) -> int:
         return len(self.deviation)

@@ -15,11 +15,14 @@ from scipy.spatial import cKDTree
 
 from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.diagnosis.core.nuisance import Alike
-from doormill_ros.diagnosis.parts.case import CutCase
+from doormill_ros.diagnosis.parts.case import TOOL, CutCase
+from doormill_ros.diagnosis.parts.course import InTime
 from doormill_ros.diagnosis.parts.cut_points import CutPoints
 from doormill_ros.diagnosis.parts.effects.effect import Effect
+from doormill_ros.diagnosis.parts.effects.force import ForceScale
 from doormill_ros.diagnosis.parts.effects.geometry import LinkOffsets
 from doormill_ros.diagnosis.parts.gauged_door import GaugedDoor
+from doormill_ros.diagnosis.parts.moved import by_load
 from doormill_ros.frames import inverse
 from doormill_ros.robot_model.elastic.causes.registry import JOINTS
 
@@ -76,8 +79,14 @@ class Discrepancy:
         return self.generous * self.size
 
 
+@dataclass(frozen=True)
 class ForceDiscrepancy(Discrepancy):
-    """A process force that is another one at every door, as wood is."""
+    """A process force that is another one at every door, as wood is; its size is that of the nominal springs.
+
+    Attributes:
+        members: Of the model that gives way to it; none for the nominal springs.
+        theta: Numbers of the model.
+    """
 
     where = "tool"
     acts_on = "process force"
@@ -85,18 +94,35 @@ class ForceDiscrepancy(Discrepancy):
     words = "the process force is another one at every door, by chance, which moves the walls"
     hides = "A force that is a little larger or smaller throughout would be a part of this."
     test = "the load of the spindle, door by door, tells whether the wood or the mill makes it so"
-    generous = 1.0  # every door tells its own: what is too much passes for a force that nobody knows
+    generous = 1.0  # what is too much of it passes for a force that nobody knows
+
+    members: tuple[InTime, ...] = ()
+    theta: tuple[float, ...] = ()
 
     def could_be(self, effect: Effect) -> bool:
         """Nothing: chance neither begins nor stays."""
         return False
 
     def columns(self, case: CutCase) -> FloatArray:
-        """The springs of each door, in proportion to its force."""
-        springs = case.springs()
-        share = self.spread / max(float(np.sqrt(np.mean(springs**2))), 1e-9)
-        own: FloatArray = share * springs[:, None] * (case.time[:, None] == np.unique(case.time))
+        """What gives way at each door, in proportion to its force."""
+        share = self.spread / max(float(np.sqrt(np.mean(case.springs() ** 2))), 1e-9)
+        given = gives_way(case, self.members, np.array(self.theta))
+        own: FloatArray = share * given[:, None] * (case.time[:, None] == np.unique(case.time))
         return own
+
+
+def gives_way(case: CutCase, members: Sequence[InTime], theta: FloatArray) -> FloatArray:
+    """What a process force twice as large moves the points more, shape (n,) [m].
+
+    Args:
+        case: The points.
+        members: Of the model that gives way, gaps left out.
+        theta: Its numbers, shape (p,).
+    """
+    force = InTime(ForceScale(TOOL))
+    return by_load(case, (force, *members), np.concatenate([np.zeros(1), theta]), np.zeros(1, dtype=int))[
+        :, 0
+    ]
 
 
 class ArmDiscrepancy(Discrepancy):
@@ -173,17 +199,17 @@ def recurring(doors: Sequence[GaugedDoor], door: IntArray, points: CutPoints) ->
 
 
 def made_by(
-    discrepancy: Discrepancy | None,
+    discrepancies: Sequence[Discrepancy],
     case: CutCase,
     doors: Sequence[GaugedDoor],
     door: IntArray,
     points: CutPoints,
     noise: FloatArray,
 ) -> tuple[FloatArray, Alike | None]:
-    """What a discrepancy makes of points by numbers of unit variance, whitened.
+    """What discrepancies make of points by numbers of unit variance, whitened.
 
     Args:
-        discrepancy: None for none.
+        discrepancies: Any, of which one at most has groups.
         case: The points.
         doors: All of them.
         door: Number of the door of each point, shape (n,).
@@ -193,12 +219,14 @@ def made_by(
     Returns:
         Columns of shape (n, k), and what groups of points have in common, None for nothing.
     """
-    if discrepancy is None:
-        return np.zeros((len(case), 0)), None
-    groups = discrepancy.groups(*recurring(doors, door, points))
-    alike = None if groups is None else Alike(groups, discrepancy.spread / noise)
-    return discrepancy.columns(case) / noise[:, None], alike
+    columns, alike = [np.zeros((len(case), 0))], None
+    for discrepancy in discrepancies:
+        columns.append(discrepancy.columns(case))
+        groups = discrepancy.groups(*recurring(doors, door, points))
+        if groups is not None:
+            alike = Alike(groups, discrepancy.spread / noise)
+    return np.hstack(columns) / noise[:, None], alike
 
 
-#: In the order in which they are tried: what asks less of the doors first.
-DISCREPANCIES: Sequence[type[Discrepancy]] = (ForceDiscrepancy, ArmDiscrepancy, WallDiscrepancy)
+#: What doors that leave more than noise are asked beside, in this order: what asks less of them first.
+DISCREPANCIES: Sequence[type[Discrepancy]] = (ArmDiscrepancy, WallDiscrepancy)

@@ -289,6 +289,7 @@ class _Place:
             row=rows,
             feature=np.full(len(rows), self.feature.id),
             kind=np.full(len(rows), self.feature.kind),
+            tool=np.full(len(rows), self.feature.tool.name),
         )
         felt = cut_case(points, self.robot, self.T_flange_tool)
         single = np.isfinite(moments.sent) & (moments.spread < LOADS)

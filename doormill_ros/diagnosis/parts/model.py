@@ -10,8 +10,9 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.core.finding import Finding
 from doormill_ros.diagnosis.core.fit import fit
 from doormill_ros.diagnosis.core.verdict import UNEXPLAINED
+from doormill_ros.diagnosis.parts.case import TOOL
 from doormill_ros.diagnosis.parts.course import InTime
-from doormill_ros.diagnosis.parts.effects.force import TOOL, ForceScale, ForceTurn
+from doormill_ros.diagnosis.parts.effects.force import ForceScale, ForceTurn
 from doormill_ros.diagnosis.parts.problem import DoorDiagnosis
 from doormill_ros.diagnosis.parts.standing import standing_of, undone
 from doormill_ros.diagnosis.parts.warming import growth_told, warmed

@@ -21,9 +21,9 @@ from doormill_ros.diagnosis.core.course import (
     SizeCourse,
 )
 from doormill_ros.diagnosis.core.diagnosis import Diagnosis
-from doormill_ros.diagnosis.core.margin import Check, Margin
+from doormill_ros.diagnosis.core.margin import Check
 from doormill_ros.diagnosis.core.nuisance import Nuisance
-from doormill_ros.diagnosis.core.problem import Examined, Prediction, make_folds, split
+from doormill_ros.diagnosis.core.problem import Examined, Prediction, make_folds
 from doormill_ros.diagnosis.core.wording import METRES
 from doormill_ros.diagnosis.parts.case import CutCase
 from doormill_ros.diagnosis.parts.course import InTime
@@ -32,12 +32,12 @@ from doormill_ros.diagnosis.parts.discrepancy import Discrepancy, made_by
 from doormill_ros.diagnosis.parts.effects.effect import Effect
 from doormill_ros.diagnosis.parts.effects.registry import effects
 from doormill_ros.diagnosis.parts.gauged_door import GaugedDoor
+from doormill_ros.diagnosis.parts.known import moves_enough
 from doormill_ros.diagnosis.parts.matching import cut_case
 from doormill_ros.diagnosis.parts.moved import by_load, moved
 from doormill_ros.diagnosis.parts.order import in_order
 from doormill_ros.diagnosis.parts.placement import DoorPlaces, door_places, places_of
 from doormill_ros.robot.description import Robot
-from doormill_ros.units import m_to_um
 
 STRETCH = 0.02  #: points of one stretch of wall of this length are left out together [m]
 FEW = 3  #: doors from which on whole features are left out together instead
@@ -48,8 +48,6 @@ DOORS_OVER_TIME = 5  #: from which on something may change
 #: The face tilts with the robot so that its lower edge cuts, under another load another one: from a step on it is
 #: as much off again [m].
 FACE, FLANK = 5e-6, 2e-6
-#: Standard deviations of the mill that an effect has to move the points by to be none of the mill's.
-SURE = 2.0
 _WARMING = 60.0  #: that doors have to take until a cell may have warmed up [s]
 
 
@@ -64,7 +62,7 @@ class DoorProblem(Examined[InTime]):
         points: All of them.
         steps: Doors from which on something may have changed.
         door_places: Where the doors stood, as far as that is known.
-        discrepancy: What every door shows alike and nothing has to name; None for nothing.
+        discrepancies: What doors show and nothing has to name.
     """
 
     unit = METRES
@@ -76,7 +74,7 @@ class DoorProblem(Examined[InTime]):
         doors: Sequence[GaugedDoor],
         robot: Robot,
         T_flange_tool: FloatArray,
-        discrepancy: Discrepancy | None = None,
+        discrepancies: Sequence[Discrepancy] = (),
     ) -> None:
         """Work out loads and geometry, and what the places of the doors can make.
 
@@ -84,7 +82,7 @@ class DoorProblem(Examined[InTime]):
             doors: Any number.
             robot: That milled them.
             T_flange_tool: Its tool, shape (4, 4).
-            discrepancy: What every door may show alike.
+            discrepancies: What doors may show and nothing has to name.
         """
         self.robot, self.tool = robot, np.array(T_flange_tool)
         self.doors = in_order(doors)
@@ -97,6 +95,7 @@ class DoorProblem(Examined[InTime]):
             normal=self.points.normal,
             wall=self.points.wall,
             kind=self.points.kind,
+            tool=self.points.tool,
             bend=self.points.bend,
             time=self._of_door([door.time for door in self.doors]),
             eye=self._of_door([door.eye for door in self.doors]),
@@ -104,14 +103,15 @@ class DoorProblem(Examined[InTime]):
         )
         noise = self._of_door([door.noise for door in self.doors])
         self.noise_floor = float(np.sqrt(np.mean(noise**2)))
-        self.noise = np.hypot(noise, discrepancy.varies * discrepancy.size if discrepancy else 0.0)
+        varies = [one.varies * one.size for one in discrepancies]
+        self.noise = np.hypot(noise, float(np.linalg.norm(varies)))
         self.measured = self.points.deviation - self.points.sent
         self.configuration = self._groups()
         self.folds = make_folds(self.configuration)
         self.steps: tuple[int, ...] = ()
         self._unexplained = (self.measured - self.case.springs()) / self.noise
-        self.discrepancy = discrepancy
-        self._alike = made_by(discrepancy, self._case, self.doors, self.door, self.points, self.noise)
+        self.discrepancies = tuple(discrepancies)
+        self._alike = made_by(discrepancies, self._case, self.doors, self.door, self.points, self.noise)
         self.door_places = self._places()
         self.nuisance = self._nuisance()
 
@@ -147,7 +147,7 @@ class DoorProblem(Examined[InTime]):
         for number, door in enumerate(self.doors):
             gone = self.points.row[points & (self.door == number)]
             doors.append(replace(door, points=door.points[~np.isin(door.points.row, gone)]))
-        return type(self)(doors, self.robot, self.tool, self.discrepancy)
+        return type(self)(doors, self.robot, self.tool, self.discrepancies)
 
     @property
     def off(self) -> float:
@@ -163,9 +163,9 @@ class DoorProblem(Examined[InTime]):
         """
         return float(np.mean(self.predict(members, theta).cost)) - 1.0
 
-    def beside(self, discrepancy: Discrepancy | None) -> Self:
-        """The same doors with another discrepancy, or none."""
-        return type(self)(self.doors, self.robot, self.tool, discrepancy)
+    def beside(self, *discrepancies: Discrepancy) -> Self:
+        """The same doors with other discrepancies, or none."""
+        return type(self)(self.doors, self.robot, self.tool, discrepancies)
 
     def placed_by(self, members: Sequence[InTime], theta: FloatArray) -> Self:
         """The same doors, the scatter of their places taken from what a model leaves instead of what springs do.
@@ -206,7 +206,8 @@ class DoorProblem(Examined[InTime]):
     def effects(self) -> list[Effect]:
         """Everything that may be wrong, whatever its course."""
         warming = len(self.doors) >= DOORS_OVER_TIME and bool(np.ptp(self.case.time) > _WARMING)
-        return effects(list(dict.fromkeys(self.points.kind.tolist())), self.points.q, warming, self.places)
+        kinds, tools = (list(dict.fromkeys(names.tolist())) for names in (self.points.kind, self.points.tool))
+        return effects(kinds, tools, self.points.q, warming, self.places)
 
     @cached_property
     def places(self) -> int:
@@ -242,12 +243,12 @@ class DoorProblem(Examined[InTime]):
 
     def _may_go(self, effect: Effect, course: SizeCourse) -> bool:
         """Whether a course is one that an effect may have: of what a discrepancy could be only what was added."""
-        if self.discrepancy is not None and self.discrepancy.could_be(effect) and not effect.drifts:
-            return effect.lasting and effect.named and course.kind in (BEGINS, GROWS)
+        added = any(one.could_be(effect) for one in self.discrepancies) and not effect.drifts
         if course.kind == ALWAYS:
-            return True
-        kinds = (BEGINS, CHANGES, DRIFTS, *((WEARS_AND_CHANGES,) if effect.wears else ()))
-        return effect.lasting and effect.named and course.kind in kinds
+            return not added
+        if course.kind == GROWS:
+            return added and DRIFTS in effect.courses
+        return course.kind in ((BEGINS,) if added else effect.courses) and course.kind in effect.courses
 
     def predict(self, members: Sequence[InTime], theta: FloatArray, derivative: bool = False) -> Prediction:
         """Residuals, likelihood and derivatives of a model, as `Problem.predict`."""
@@ -300,28 +301,8 @@ class DoorProblem(Examined[InTime]):
         return {name: half for name, half in cuts.items() if 0.1 <= half.mean() <= 0.9}
 
     def objections(self, members: Sequence[InTime], theta: FloatArray, cause: InTime) -> Sequence[Check]:
-        """That it moves the points by hardly more than the mill is known to: anything could be that small."""
-        without = np.concatenate(
-            [np.zeros_like(part) if member is cause else part for member, part in split(members, theta)]
-        )
-        moves = moved(self.case, members, theta)[0] - moved(self.case, members, without)[0]
-        acts = moves != 0.0
-        size = float(np.sqrt(np.mean(moves[acts] ** 2))) if acts.any() else 0.0
-        known = self.resolution
-        return [
-            Check(
-                size <= SURE * known,
-                f"it moves the points by {m_to_um(size):.1f} um, and the mill is known to {m_to_um(known):.0f} um",
-                (
-                    Margin(
-                        f"{cause!r} moves the points by multiples of what the mill is known to",
-                        size / known,
-                        SURE,
-                        "share",
-                    ),
-                ),
-            )
-        ]
+        """That it moves the points by hardly more than mill and drifts are known to: anything could be that small."""
+        return [moves_enough(self.case, self.resolution, members, theta, cause)]
 
     def groupings(self) -> Sequence[IntArray]:
         """What is left out together, and doors; shape (n,)."""

@@ -10,9 +10,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-from doormill_ros.arrays import BoolArray
+from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.diagnosis.core.stability import clustered
-from doormill_ros.diagnosis.parts.problem import DoorDiagnosis
+from doormill_ros.diagnosis.parts.problem import DoorDiagnosis, DoorProblem
 from doormill_ros.measurements.inspection import Inspection
 from doormill_ros.statistics import GROSS_SHARE, median
 from doormill_ros.units import m_to_mm
@@ -23,8 +23,9 @@ BESIDE = 1e-3
 BEYOND = 4e-3
 #: Standard deviations by which a slip is beside what was found; drawn worlds leave less than six.
 FAR = 20.0
-_FEW = 0.01  #: share of the points that may be slips of that kind; more are an effect
+_FEW = 0.03  #: share of the points that may be slips of that kind; more are an effect
 _NEIGHBOURS = 6
+_ALONE = 2.0  #: times what its neighbours are beside what was found, or each other, that a slip is further
 _ENOUGH = 20  #: points of a surface whose neighbours are near
 _FEWEST = 3  #: points that have a middle
 
@@ -60,7 +61,29 @@ def slips(inspection: Inspection) -> BoolArray:
 
 
 def slips_beside(diagnosis: DoorDiagnosis) -> BoolArray:
-    """Points far beside what was found, single ones and few of them, shape (n,)."""
-    far: BoolArray = ~diagnosis.kept & (np.abs(diagnosis.best.prediction.white[:, 0]) > FAR)
+    """Points far beside what was found and beside their neighbours, single ones and few of them, shape (n,).
+
+    Where a door may have stood anywhere a slip displaces all of it: its neighbours are beside what was found, too.
+    """
+    white = diagnosis.best.prediction.white[:, 0]
+    far: BoolArray = ~diagnosis.kept & (np.abs(white) > FAR)
+    if far.any():
+        about, spread = _about(diagnosis.problem, white)
+        far &= np.abs(white - about) > np.maximum(FAR, _ALONE * np.maximum(np.abs(about), spread))
     few = far.sum() <= max(1, int(_FEW * len(far))) and not clustered(diagnosis.problem, far)
     return far if few else np.zeros_like(far)
+
+
+def _about(problem: DoorProblem, white: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """What the nearest points of the same surface leave: the middle of them, and how far apart they are, shape (n,)."""
+    points, about, spread = problem.points, np.zeros(len(white)), np.zeros(len(white))
+    surface = np.char.add(
+        np.char.add(problem.door.astype(str), np.where(points.wall, " w ", " f ")), points.feature
+    )
+    for one in np.unique(surface):
+        rows = np.flatnonzero(surface == one)
+        if len(rows) > _NEIGHBOURS:
+            near = cKDTree(points.point[rows]).query(points.point[rows], k=_NEIGHBOURS + 1)[1][:, 1:]
+            low, about[rows], high = np.quantile(white[rows][near], [0.1, 0.5, 0.9], axis=1)
+            spread[rows] = high - low
+    return about, spread

@@ -6,8 +6,8 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.core.finding import Finding
+from doormill_ros.diagnosis.parts.case import TOOL
 from doormill_ros.diagnosis.parts.course import InTime
-from doormill_ros.diagnosis.parts.effects.force import TOOL
 from doormill_ros.diagnosis.parts.problem import DoorDiagnosis
 from doormill_ros.robot_model.displacement import Displacement
 

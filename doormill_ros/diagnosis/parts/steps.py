@@ -11,6 +11,7 @@ import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.diagnosis.core.beam import ENTRY
+from doormill_ros.diagnosis.core.course import CHANGES
 from doormill_ros.diagnosis.core.gain import gain_of
 from doormill_ros.diagnosis.parts.course import InTime
 from doormill_ros.diagnosis.parts.problem import DOORS_OVER_TIME, DoorProblem
@@ -44,7 +45,9 @@ class _Look:
     def __init__(self, problem: DoorProblem) -> None:
         self._problem = problem
         effects = [effect for effect in problem.effects() if effect.named]
-        self._columns = [(problem.derivative_alone(InTime(effect)), effect.lasting) for effect in effects]
+        self._columns = [
+            (problem.derivative_alone(InTime(effect)), CHANGES in effect.courses) for effect in effects
+        ]
         left = problem.predict((), np.zeros(0)).white[:, 0]
         limit = 6.0 * max(1.0, float(np.median(np.abs(left))) * NORMAL_STD)
         self._left = np.clip(left, -limit, limit)
@@ -54,8 +57,8 @@ class _Look:
     def join_best(self) -> int | None:
         """Let the best effect with the best course join: the door of its step, 0 for none; None if nothing gains."""
         best: tuple[float, int, FloatArray] | None = None
-        for columns, lasting in self._columns:
-            for step, taken in self._courses(columns, lasting):
+        for columns, changes in self._columns:
+            for step, taken in self._courses(columns, changes):
                 gain = gain_of(self._less(taken), self._left) - self._price * taken.shape[1]
                 if step > 0:
                     gain -= 2.0 * np.log(len(self._problem.doors))
@@ -73,12 +76,12 @@ class _Look:
         self._left = self._left - new @ (new.T @ self._left)
         return best[1]
 
-    def _courses(self, columns: FloatArray, lasting: bool) -> list[tuple[int, FloatArray]]:
+    def _courses(self, columns: FloatArray, changes: bool) -> list[tuple[int, FloatArray]]:
         """Step and whitened columns of every course of an effect; 0 for one without a step."""
         door, count = self._problem.door, len(self._problem.doors)
         late = door[:, None] / (count - 1.0)
         take = self._problem.nuisance.take
-        if not lasting:
+        if not changes:
             return [(0, take(columns))]
         found = [(0, take(columns)), (0, take(np.hstack([columns, columns * late])))]
         for step in range(1, count):

@@ -10,7 +10,17 @@ import numpy as np
 
 from doormill_ros.diagnosis.core.kind import Progress
 from doormill_ros.diagnosis.core.verdict import PARTLY_EXPLAINED, UNEXPLAINED, rmse
-from doormill_ros.diagnosis.parts.discrepancy import DISCREPANCIES
+from doormill_ros.diagnosis.parts.chance import (
+    blames_force,
+    blames_forces,
+    by_chance,
+    by_what_is_left,
+    deviance,
+    differ,
+    is_chance,
+    without_chance,
+)
+from doormill_ros.diagnosis.parts.discrepancy import DISCREPANCIES, Discrepancy
 from doormill_ros.diagnosis.parts.problem import DoorDiagnosis, DoorProblem
 from doormill_ros.statistics import bootstrap_ratio
 from doormill_ros.units import m_to_um
@@ -19,41 +29,84 @@ from doormill_ros.units import m_to_um
 Ask = Callable[[DoorProblem, Progress], DoorDiagnosis]
 #: Share of what named causes leave beyond noise that may be left beside a discrepancy, to ask beside it.
 _MAIN = 0.5
+_ROUNDS = 2  #: times that what forces by chance make is taken from what was found
 
 
 def asked_beside(found: DoorDiagnosis, ask: Ask, progress: Progress) -> DoorDiagnosis:
-    """Where doors show more than noise, what is said beside the first discrepancy that leaves noise; else the same.
+    """What is said beside the fewest discrepancies that leave noise, where that is less or surer; else the same.
 
     Args:
         found: What is said of the doors without one.
         ask: Questions the doors.
         progress: Told of every step.
     """
-    problem, best, extended = found.problem, found.best, found.extended
-    known = all(member.named for member in best.members) and found.question.at_noise(best)
-    if known or found.verdict not in (PARTLY_EXPLAINED, UNEXPLAINED):
-        return found
+    by_forces = _beside_chance(found, ask, progress)
+    if _at_noise(by_forces) or by_forces.verdict not in (PARTLY_EXPLAINED, UNEXPLAINED):
+        return by_forces
+    problem = found.problem
     recurring = len(problem.doors) / len({door.recipe for door in problem.doors})
-    before = problem.excess(extended.members, extended.theta)
     for kind in DISCREPANCIES:
         discrepancy = kind(problem.off)
         beside = problem.beside(discrepancy)
-        left = beside.excess(extended.members, extended.theta)
-        if recurring < discrepancy.recurring or left > _MAIN * before:
+        if recurring < discrepancy.recurring or not _is_main(beside, found):
             continue
         progress(f"asking beside what every door may show alike: {discrepancy.acts_on}")
-        other = ask(beside, progress)
+        other = _beside_chance(ask(beside, progress), ask, progress)
         keys = {finding.cause.key for finding in other.findings}
         # What it could be itself is not given up for it; any other name was given beside more than noise.
         asked = [one for one in found.findings if discrepancy.could_be(one.cause.effect)]
         if other.question.at_noise(other.extended) and all(one.cause.key in keys for one in asked):
             return with_discrepancy(other)
-    return found
+    return by_forces
+
+
+def _beside_chance(found: DoorDiagnosis, ask: Ask, progress: Progress) -> DoorDiagnosis:
+    """What is said where forces are other ones at every door, if that is as likely; else the same."""
+    blamed = blames_forces(found)
+    if _at_noise(found) and not blamed:
+        return found
+    chance = by_chance(found.problem)
+    if chance is None:
+        return found
+    beside = found.problem.beside(*found.problem.discrepancies, chance)
+    if not blamed and not _is_main(beside, found):
+        return found
+    progress("asking beside forces that are other ones at every door")
+    other = ask(beside, progress)
+    for _ in range(_ROUNDS if other.question.at_noise(other.best) else 0):
+        again = by_what_is_left(other)
+        if again is None or not differ(other.problem, again, chance):
+            break
+        progress("asking once more: forces by chance make another difference than it seemed")
+        chance, beside = again, other.problem.beside(*without_chance(other), again)
+        other = min(other, ask(beside, progress), key=deviance)
+    if not is_chance(found, other):
+        return found
+    if other.question.at_noise(other.best):
+        return with_discrepancy(other)
+    # What stands beside more than noise is not said anew; what chance says as well is taken back.
+    said = {finding.cause.key for finding in other.findings}
+    doubtful = [
+        finding.cause
+        for finding in found.findings
+        if blames_force(finding.cause) and finding.cause.key not in said
+    ]
+    return found.less(doubtful, "forces that are other ones at every door say as much") if doubtful else found
+
+
+def _is_main(beside: DoorProblem, found: DoorDiagnosis) -> bool:
+    """Whether most of what named causes leave beyond noise could be a discrepancy."""
+    members, theta = found.extended.members, found.extended.theta
+    return beside.excess(members, theta) <= _MAIN * found.problem.excess(members, theta)
+
+
+def _at_noise(found: DoorDiagnosis) -> bool:
+    return all(member.named for member in found.best.members) and found.question.at_noise(found.best)
 
 
 def with_discrepancy(found: DoorDiagnosis) -> DoorDiagnosis:
     """The same with figures and verdict of the doors without their discrepancy: a law without a name is no name."""
-    plain, kept, question = found.problem.beside(None), found.kept, found.question
+    plain, kept, question = found.problem.beside(), found.kept, found.question
     pair = found.baseline, found.extended
     left = [plain.predict(model.members, model.theta).residual for model in pair]
     # What a model loses on rows left out it loses with a discrepancy and without.
@@ -76,42 +129,47 @@ def with_discrepancy(found: DoorDiagnosis) -> DoorDiagnosis:
 
 def unnamed_document(diagnosis: DoorDiagnosis) -> dict[str, Any]:
     """`unnamed` and `characterised` of diagnosis.json; nothing where nothing was asked beside a discrepancy."""
-    problem, kept = diagnosis.problem, diagnosis.kept
-    if problem.discrepancy is None:
+    discrepancies, kept = diagnosis.problem.discrepancies, diagnosis.kept
+    if not discrepancies:
         return {}
     squares = diagnosis.question.holdout_squares(diagnosis.extended, kept)
     _, (low, high) = bootstrap_ratio(np.full(len(squares), squares.mean()), squares)
     value = diagnosis.question.holdout_rmse(diagnosis.extended, kept)
-    law = {
-        "where": problem.discrepancy.where,
-        "acts_on": problem.discrepancy.acts_on,
-        "driver": problem.discrepancy.driver,
-        "law": _law(diagnosis),
-        "holdout_rmse_without": diagnosis.holdout_rmse[1],
-        "rivals": [],
-        "test": problem.discrepancy.test,
-    }
-    return {
-        "unnamed": [law],
-        "characterised": {"holdout_rmse": value, "ci95": [value * low, value * high]},
-    }
+    laws = [
+        {
+            "where": discrepancy.where,
+            "acts_on": discrepancy.acts_on,
+            "driver": discrepancy.driver,
+            "law": _law(diagnosis, discrepancy),
+            "holdout_rmse_without": diagnosis.holdout_rmse[1],
+            "rivals": [],
+            "test": discrepancy.test,
+        }
+        for discrepancy in discrepancies
+    ]
+    return {"unnamed": laws, "characterised": {"holdout_rmse": value, "ci95": [value * low, value * high]}}
 
 
 def unnamed_sentences(diagnosis: DoorDiagnosis) -> list[str]:
     """What of it the report says."""
-    discrepancy = diagnosis.problem.discrepancy
-    if discrepancy is None:
+    discrepancies = diagnosis.problem.discrepancies
+    if not discrepancies:
         return []
     left = diagnosis.question.holdout_rmse(diagnosis.extended, diagnosis.kept)
+    laws = " Also without a name: ".join(f"{_law(diagnosis, one)}." for one in discrepancies)
     return [
-        f"Without a name: {_law(diagnosis)}; beside that the doors leave {m_to_um(left):.1f} um. {discrepancy.hides}",
-        f"What it is: {discrepancy.test}.",
+        f"Without a name: {laws} Beside that the doors leave {m_to_um(left):.1f} um. "
+        + " ".join(one.hides for one in discrepancies),
+        *(f"What it is: {one.test}." for one in discrepancies),
     ]
 
 
-def _law(diagnosis: DoorDiagnosis) -> str:
-    discrepancy = diagnosis.problem.discrepancy
-    assert discrepancy is not None  # asked by those who looked
-    left = diagnosis.question.train_rmse(diagnosis.extended, diagnosis.kept)
-    size = np.sqrt(max(diagnosis.train_rmse[1] ** 2 - left**2, 0.0))
-    return f"{discrepancy.words}, by {m_to_um(size):.0f} um root mean square"
+def _law(diagnosis: DoorDiagnosis, discrepancy: Discrepancy) -> str:
+    """A discrepancy in words, with what the doors leave more without it."""
+    problem, extended = diagnosis.problem, diagnosis.extended
+    others = problem.beside(*(one for one in problem.discrepancies if one is not discrepancy))
+    more, less = (
+        rmse(one.predict(extended.members, extended.theta).residual, diagnosis.kept, problem.components)
+        for one in (others, problem)
+    )
+    return f"{discrepancy.words}, by {m_to_um(np.sqrt(max(more**2 - less**2, 0.0))):.0f} um root mean square"

@@ -19,8 +19,10 @@ def test_rows_are_taken_to_the_root_of_their_inverse_covariance(parts):
     columns, alike, _ = parts
     same = alike.group[:, None] == alike.group[None, :]
     covariance = np.eye(ROWS) + columns @ columns.T + same * np.outer(alike.effect, alike.effect)
-    root = Nuisance(columns, np.zeros((ROWS, 0)), alike).take(np.eye(ROWS))
+    nuisance = Nuisance(columns, np.zeros((ROWS, 0)), alike)
+    root = nuisance.take(np.eye(ROWS))
     np.testing.assert_allclose(root.T @ root, np.linalg.inv(covariance), atol=1e-12)
+    assert nuisance.log_determinant == pytest.approx(np.linalg.slogdet(covariance)[1], rel=1e-9)
 
 
 def test_what_may_be_anything_leaves_nothing(parts):

@@ -42,16 +42,18 @@ FORCE = (
 def test_changes_are_named_on_an_arm_that_is_off_everywhere(tmp_path, change):
     world, hidden = change
     diagnosis, _ = asked(tmp_path, OFF | world, turns(*HINGE_DOORS))
-    assert isinstance(diagnosis.problem.discrepancy, ArmDiscrepancy)
+    assert [type(one) for one in diagnosis.problem.discrepancies] == [ArmDiscrepancy]
     found = judged(diagnosis, (hidden,))
     assert (found.verdict, found.missed, found.wrong, found.late) == ("partly_explained", (), (), ())
     assert diagnosis.question.holdout_rmse(diagnosis.extended, diagnosis.kept) < 1.1e-5
 
 
-def test_a_soft_spring_is_named_beside_forces_that_scatter_from_door_to_door(tmp_path):
+# Beside a scatter that acts on the nominal springs, soft as they are, these doors showed a spring that changed.
+@pytest.mark.parametrize("seed", [3, 4, 6])
+def test_a_soft_spring_is_named_beside_forces_that_scatter_from_door_to_door(tmp_path, seed):
     world = {"force": {"scatter": 0.12}, "robot": {"stiffness_factor": [0.6, 1.0, 1.0, 1.0, 1.0, 1.0]}}
-    diagnosis, _ = asked(tmp_path, world, turns(*HINGE_DOORS))
-    assert isinstance(diagnosis.problem.discrepancy, ForceDiscrepancy)
+    diagnosis, _ = asked(tmp_path, world, turns(*HINGE_DOORS), seed)
+    assert [type(one) for one in diagnosis.problem.discrepancies] == [ForceDiscrepancy]
     found = judged(diagnosis, (Hidden("joint_stiffness", "joint 1"),))
     assert (found.verdict, found.missed, found.wrong) == ("partly_explained", (), ())
     [finding] = diagnosis.findings
@@ -63,7 +65,7 @@ def test_a_soft_spring_is_named_beside_forces_that_scatter_from_door_to_door(tmp
 def test_a_slip_of_the_clamp_is_named_beside_forces_that_turn_with_the_feed(tmp_path):
     world, hidden = CLAMP
     diagnosis, _ = asked(tmp_path, TURNING | world, turns(HINGE_DOORS[1]))
-    assert isinstance(diagnosis.problem.discrepancy, WallDiscrepancy)
+    assert [type(one) for one in diagnosis.problem.discrepancies] == [WallDiscrepancy]
     found = judged(diagnosis, (hidden,))
     assert (found.verdict, found.missed, found.wrong, found.late) == ("partly_explained", (), (), ())
 
@@ -92,7 +94,7 @@ def test_a_cause_that_was_always_there_is_not_told_from_the_walls_of_a_recipe(tm
 
 def test_recipes_that_come_once_have_no_walls_of_their_own(tmp_path):
     diagnosis, _ = asked(tmp_path, TURNING, (*HINGE_DOORS, "thesis_1350_2deg"))
-    assert diagnosis.problem.discrepancy is None
+    assert diagnosis.problem.discrepancies == ()
     assert (diagnosis.verdict, diagnosis.findings) == ("unexplained", ())
 
 

@@ -96,3 +96,21 @@ def test_nothing_that_a_mill_leaves_is_a_slip(tmp_path, world):
     doors = inspections_in(gauged_shift(tmp_path, {"seed": 3, **world}, HINGE_DOORS, 3))
     assert [bool(slips(one).any()) for one in doors] == [False] * 3
     assert min(np.abs(one.deviation).max() for one in doors) > 3e-4
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_slips_do_not_carry_doors_away_that_may_have_stood_anywhere(door, tmp_path, seed):
+    world = {"seed": seed, "force": {"factor": 1.3}}
+    rng, doors = np.random.default_rng(seed), []
+    for inspection in inspections_in(gauged_shift(tmp_path, world, HINGE_DOORS, seed)):
+        told = replace(inspection, datum="part")
+        matched = inspected_door(told, recorded_cut(told)).door.points
+        rows = rng.choice(matched.row[~matched.wall], 1), rng.choice(matched.row[matched.wall], 1)
+        told = slipped(
+            told, **{f"row{int(row[0])}": size for row, size in zip(rows, (-9e-4, 6e-4), strict=True)}
+        )
+        doors.append(inspected_door(told, recorded_cut(told)))
+    found = KIND.diagnose(doors, lambda line: None)
+    account = KIND.account(found, doors, [], lambda line: None)
+    assert account.sections["points"]["slips"] == 2 * len(doors)
+    assert [finding.cause.key for finding in found.findings] == [("process_force", "tool")]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.core.course import SizedEffect
+from doormill_ros.diagnosis.core.course import BEGINS, CHANGES, DRIFTS, SizedEffect
 from doormill_ros.diagnosis.parts.case import CutCase
 
 _FAR = 1e6
@@ -20,15 +20,13 @@ class Effect(SizedEffect[CutCase]):
     Attributes:
         of_force: Whether theta is what is added to the factor on the wrench (first) and to its angle [rad] (second).
         of_weight: Whether it adds torques in proportion to theta, see `torques`.
-        lasting: Whether its size may also change from door to door; else it has one size, or a course of its own.
-        wears: Whether it may drift and change at a door, too; for factors on the wrench.
+        courses: Ways in which its size may go over the doors beside staying what it is.
         rigid: Whether it displaces the tool or the door as a whole, whatever the process is.
     """
 
     of_force = False
     of_weight = False
-    lasting = True
-    wears = False
+    courses: tuple[str, ...] = (BEGINS, CHANGES, DRIFTS)
     rigid = False
 
     @property

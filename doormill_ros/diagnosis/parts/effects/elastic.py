@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.parts.case import CutCase
+from doormill_ros.diagnosis.parts.case import TOOL, CutCase
 from doormill_ros.diagnosis.parts.effects.effect import Effect
 from doormill_ros.robot_model.elastic.causes.cause import ElasticCause, LinearTwist
 from doormill_ros.robot_model.elastic.causes.joint_backlash import DisplacementBacklash
+from doormill_ros.robot_model.elastic.causes.tool_bending import ToolBending
 
 
 class ElasticEffect(Effect):
@@ -19,6 +20,7 @@ class ElasticEffect(Effect):
         super().__init__(cause.where)
         self.name, self.variant, self.named = cause.name, cause.variant, cause.named
         self.parameters, self.generalises = cause.parameters, cause.generalises
+        self.courses = self.courses if self.named else ()
         self.scale, self.lower, self.upper = cause.scale, cause.lower, cause.upper
         self.cause: ElasticCause = cause
 
@@ -33,6 +35,19 @@ class ElasticEffect(Effect):
     def values(self, theta: FloatArray, case: CutCase) -> FloatArray:
         """As the cause reports them."""
         return self.cause.values(theta, case.load)
+
+
+class MillBending(ElasticEffect):
+    """Mills that bend: all alike, or one of them."""
+
+    def __init__(self, where: str) -> None:
+        """All tools, or one."""
+        super().__init__(ToolBending(TOOL))
+        self.where = where
+
+    def columns(self, case: CutCase) -> FloatArray:
+        """Along the normals that it cut."""
+        return super().columns(case) * case.cut_by(self.where)[:, None]
 
 
 class Gap(Effect):

@@ -4,30 +4,24 @@ from __future__ import annotations
 
 import numpy as np
 
-from doormill_ros.arrays import BoolArray, FloatArray
+from doormill_ros.arrays import FloatArray
+from doormill_ros.diagnosis.core.course import BEGINS, CHANGES, DRIFTS, WEARS_AND_CHANGES
 from doormill_ros.diagnosis.parts.case import CutCase
 from doormill_ros.diagnosis.parts.effects.effect import Effect
 from doormill_ros.robot_model.candidate import CauseParameter
 
-TOOL = "tool"
 
-
-class _OnWrench(Effect):
-    of_force = True
-
-    def _acts(self, case: CutCase) -> BoolArray:
-        return np.full(len(case), True) if self.where == TOOL else case.kind == self.where
-
-
-class ForceScale(_OnWrench):
-    """The true wrench is the assumed one times 1 + theta, at the tool or while it mills one kind of feature."""
+class ForceScale(Effect):
+    """The true wrench is the assumed one times 1 + theta, at all tools, at one, or in one kind of feature."""
 
     name = "process_force"
-    wears = True  # a mill gets blunt whatever wood it meets, and may be changed
+    of_force = True
+    #: A mill gets blunt whatever wood it meets, and may be changed.
+    courses = (BEGINS, CHANGES, DRIFTS, WEARS_AND_CHANGES)
     parameters = (CauseParameter("factor", "1", 0.0, 10.0),)
 
     def __init__(self, where: str) -> None:
-        """At the tool, or a kind of feature."""
+        """At all tools, one of them, or a kind of feature."""
         super().__init__(where)
         self.limit([0.2], -1.0, 9.0)
 
@@ -37,21 +31,22 @@ class ForceScale(_OnWrench):
 
     def wrench(self, case: CutCase, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
         """The factor alone."""
-        return 1.0 + theta[:, 0] * self._acts(case), np.zeros(len(case))
+        return 1.0 + theta[:, 0] * case.cut_by(self.where), np.zeros(len(case))
 
     def values(self, theta: FloatArray, case: CutCase) -> FloatArray:
         """Factor."""
         return 1.0 + theta
 
 
-class ForceTurn(_OnWrench):
+class ForceTurn(Effect):
     """The true wrench is the assumed one turned about the tool by theta [rad]."""
 
     name = "process_force_direction"
+    of_force = True
     parameters = (CauseParameter("angle", "rad", -3.2, 3.2),)
 
     def __init__(self, where: str) -> None:
-        """At the tool, or a kind of feature."""
+        """At all tools, one of them, or a kind of feature."""
         super().__init__(where)
         self.limit([0.1], -1.6, 1.6)
 
@@ -61,7 +56,7 @@ class ForceTurn(_OnWrench):
 
     def wrench(self, case: CutCase, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
         """The turn alone."""
-        return np.ones(len(case)), theta[:, 0] * self._acts(case)
+        return np.ones(len(case)), theta[:, 0] * case.cut_by(self.where)
 
     def values(self, theta: FloatArray, case: CutCase) -> FloatArray:
         """Angle."""

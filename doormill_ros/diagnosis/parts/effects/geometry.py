@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.diagnosis.core.course import BEGINS
 from doormill_ros.diagnosis.parts.case import CutCase
 from doormill_ros.diagnosis.parts.effects.effect import Unloaded
 from doormill_ros.robot_model.candidate import CauseParameter, number
@@ -19,7 +20,7 @@ class LinkOffsets(Unloaded):
     """Theta is what is added to d, a [um], theta and alpha [1e-5 rad] of one link of a Denavit-Hartenberg table."""
 
     name = "link_geometry"
-    lasting = False  # a link is as it was made
+    courses = (BEGINS,)  # a link is as it was made until something is run into
     rigid = True
     parameters = (CauseParameter("offset", "m", -0.1, 0.1, 2), CauseParameter("angle", "rad", -0.1, 0.1, 2))
 

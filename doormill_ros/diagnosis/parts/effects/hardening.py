@@ -21,7 +21,7 @@ class Hardening(Effect):
 
     name, parameters = JointHardening.name, JointHardening.parameters
     generalises = JointHardening.generalises
-    lasting = False  # the law of a spring
+    courses = ()  # the law of a spring
 
     def __init__(self, where: str) -> None:
         """Joint."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.diagnosis.core.course import BEGINS, CHANGES
 from doormill_ros.diagnosis.parts.case import CutCase
 from doormill_ros.diagnosis.parts.effects.effect import Unloaded
 from doormill_ros.robot_model.candidate import CauseParameter
@@ -23,7 +24,7 @@ class PathLag(Unloaded):
 
     name = "path_lag"
     of_robot = False
-    lasting = False  # the setting of a controller
+    courses = (BEGINS, CHANGES)  # the setting of a controller
     parameters = (CauseParameter("corner", "m", 0.0, 1e-2),)
 
     def __init__(self) -> None:

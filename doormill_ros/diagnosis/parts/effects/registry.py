@@ -8,21 +8,22 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.loading.patterns import unnamed_patterns
+from doormill_ros.diagnosis.parts.case import TOOL
 from doormill_ros.diagnosis.parts.effects.effect import Effect
-from doormill_ros.diagnosis.parts.effects.elastic import ElasticEffect, Gap
-from doormill_ros.diagnosis.parts.effects.force import TOOL, ForceScale, ForceTurn
+from doormill_ros.diagnosis.parts.effects.elastic import ElasticEffect, Gap, MillBending
+from doormill_ros.diagnosis.parts.effects.force import ForceScale, ForceTurn
 from doormill_ros.diagnosis.parts.effects.geometry import LINKS, LinkOffsets
 from doormill_ros.diagnosis.parts.effects.hardening import Hardening
 from doormill_ros.diagnosis.parts.effects.lag import PathLag
-from doormill_ros.diagnosis.parts.effects.shift import Place, Warming, shifts
+from doormill_ros.diagnosis.parts.effects.shift import Place, Tilt, Warming, shifts
 from doormill_ros.diagnosis.parts.effects.weight import weights
 from doormill_ros.robot_model.elastic.causes.base_compliance import BaseCompliance
 from doormill_ros.robot_model.elastic.causes.joint_stiffness import JointStiffness
 from doormill_ros.robot_model.elastic.causes.registry import JOINTS
-from doormill_ros.robot_model.elastic.causes.tool_bending import ToolBending
 from doormill_ros.robot_model.elastic.causes.tool_compliance import ToolCompliance
 
-CROSSINGS = (0.0, 5.0, 20.0)  #: torques from which a gap is tried as open [N m]
+#: Torques from which a gap is tried as open [N m]: what one between neighbours leaves passes for no other cause.
+CROSSINGS = (0.0, 2.0, 5.0, 10.0, 20.0)
 #: Places of the cell from which on they tell one link, which has four numbers, from the others, camera and clamp.
 PLACES_OF_LINKS = 8
 #: Time constants of warming that are tried [h]: preferred numbers of series R 10 (ISO 3). One between neighbours leaves
@@ -44,20 +45,24 @@ _SHAPES = (
 )
 
 
-def effects(kinds: Sequence[str], q: FloatArray, warming: bool, places: int) -> list[Effect]:
+def effects(
+    kinds: Sequence[str], tools: Sequence[str], q: FloatArray, warming: bool, places: int
+) -> list[Effect]:
     """Everything that may be wrong, and the shapes that may not be named.
 
     Args:
         kinds: Of the features that were measured.
+        tools: That cut them.
         q: Joint angles where the points were cut, shape (n, 6) [rad].
         warming: Whether the doors are from times far enough apart.
         places: In how many places of the cell features were milled.
     """
-    where_cut = (TOOL, *kinds) if len(kinds) > 1 else (TOOL,)
+    some_tools = tools if len(tools) > 1 else ()
+    where_cut = (TOOL, *(kinds if len(kinds) > 1 else ()), *some_tools)
     none = np.zeros(len(q))
     shapes = unnamed_patterns(q, none, np.full(len(q), np.nan), none)
     return [
-        *shifts(),
+        *shifts(tools),
         *weights(),
         *(Warming(hours) for hours in (REST if warming else ())),
         *(ForceScale(where) for where in where_cut),
@@ -65,11 +70,12 @@ def effects(kinds: Sequence[str], q: FloatArray, warming: bool, places: int) -> 
         *(ElasticEffect(JointStiffness(where)) for where in JOINTS),
         *(Hardening(where) for where in JOINTS),
         *(Gap(where, crossing) for where in JOINTS for crossing in CROSSINGS),
-        ElasticEffect(ToolBending(TOOL)),
+        *(MillBending(where) for where in (TOOL, *some_tools)),
         ElasticEffect(ToolCompliance("flange")),
         ElasticEffect(BaseCompliance("base")),
         PathLag(),
         *(LinkOffsets(where) for where in (LINKS if places >= PLACES_OF_LINKS else ())),
+        Tilt(),
         Place(),
         *(ElasticEffect(shape) for shape in shapes if shape.name in _SHAPES),
     ]

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.parts.case import CutCase
+from doormill_ros.diagnosis.core.course import BEGINS
+from doormill_ros.diagnosis.parts.case import TOOL, CutCase
 from doormill_ros.diagnosis.parts.effects.effect import Effect, Unloaded
-from doormill_ros.diagnosis.parts.effects.force import TOOL
 from doormill_ros.robot_model.candidate import CauseParameter
 from doormill_ros.units import UM
 
@@ -88,10 +88,18 @@ def _place(case: CutCase) -> FloatArray:
     return slopes
 
 
+def _tilt(case: CutCase) -> FloatArray:
+    """Depth of the doors, and turns about base y and z: what a picture from the front does not show."""
+    arm = case.load.point - case.load.point.mean(axis=0)
+    turned = [_SLOPE * case.along(np.cross(axis, arm)) for axis in np.eye(3)[1:]]
+    return np.column_stack([_SLOPE * case.normal[:, 0], *turned])
+
+
 class Place(Shift):
     """A displacement that is another one at every place of the cell; no cause, but many together leave it."""
 
     named = False
+    courses = ()
 
     def __init__(self) -> None:
         """Nine slopes."""
@@ -100,12 +108,23 @@ class Place(Shift):
         )
 
 
+class Tilt(Shift):
+    """Doors that lean out of the camera's picture plane, which it does not see; no cause, but a clamp may leave it."""
+
+    named = False
+    courses = (BEGINS,)
+
+    def __init__(self) -> None:
+        """Depth, and turns about y and z."""
+        super().__init__("door_tilt", "clamp", (), _tilt, "doors that lean in their clamp", [1.0] * 3)
+
+
 class Warming(Unloaded):
     """Growth away from the base that comes to rest with a time constant; theta is its end [um]."""
 
     name = "thermal_growth"
     of_robot = False
-    lasting = False
+    courses = ()
     drifts = True
     rigid = True
     parameters = (CauseParameter("growth", "m", 0.0, 1e-2), CauseParameter("hours", "1", 0.0, 100.0))
@@ -131,49 +150,58 @@ class Warming(Unloaded):
         return np.array([UM * theta[0], self.hours])
 
 
-def shifts() -> list[Effect]:
-    """Effects of tool, camera and clamp."""
-    metres, radians = ("m", -0.1, 0.1), ("rad", -0.1, 0.1)
+_METRES, _RADIANS = ("m", -0.1, 0.1), ("rad", -0.1, 0.1)
 
-    def scaled(theta: FloatArray) -> FloatArray:
-        return UM * theta
 
+def _scaled(theta: FloatArray) -> FloatArray:
+    return UM * theta
+
+
+def shifts(tools: Sequence[str]) -> list[Effect]:
+    """Effects of camera and clamp, of all tools alike and of each of several.
+
+    Args:
+        tools: Names of those that cut.
+    """
     return [
         Shift(
             "camera_shift",
             "camera",
-            (CauseParameter("translation", *metres, 2), CauseParameter("rotation", *radians)),
+            (CauseParameter("translation", *_METRES, 2), CauseParameter("rotation", *_RADIANS)),
             _camera,
             "all doors are milled displaced and turned in the picture's plane by the same amount",
             [50.0, 50.0, 50.0],
-            report=scaled,
+            report=_scaled,
         ),
         Shift(
             "clamp_shift",
             "clamp",
-            (CauseParameter("translation", *metres, 3),),
+            (CauseParameter("translation", *_METRES, 3),),
             lambda case: -UM * case.normal,
             "all doors are milled displaced by the same amount",
             [50.0] * 3,
-            report=scaled,
+            report=_scaled,
         ),
-        Shift(
-            "tool_radius",
-            TOOL,
-            (CauseParameter("offset", *metres),),
-            lambda case: UM * case.wall[:, None].astype(float),
-            "all walls are displaced into the wood or out of it by the same amount",
-            [20.0],
-            report=scaled,
-            rigid=False,
-        ),
-        Shift(
-            "tool_length",
-            TOOL,
-            (CauseParameter("offset", *metres),),
-            lambda case: UM * (~case.wall[:, None]).astype(float),
-            "all floors are too deep or too high by the same amount",
-            [20.0],
-            report=scaled,
-        ),
+        *(_of_tool("tool_radius", where, True) for where in _places(tools)),
+        *(_of_tool("tool_length", where, False) for where in _places(tools)),
     ]
+
+
+def _places(tools: Sequence[str]) -> Sequence[str]:
+    return (TOOL, *tools) if len(tools) > 1 else (TOOL,)
+
+
+def _of_tool(name: str, where: str, walls: bool) -> Shift:
+    """What cuts walls or floors too deep."""
+    return Shift(
+        name,
+        where,
+        (CauseParameter("offset", *_METRES),),
+        lambda case: UM * (case.cut_by(where) & (case.wall == walls))[:, None].astype(float),
+        "all walls are displaced into the wood or out of it by the same amount"
+        if walls
+        else "all floors are too deep or too high by the same amount",
+        [20.0],
+        report=_scaled,
+        rigid=not walls,
+    )

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.parts.case import CutCase
+from doormill_ros.diagnosis.core.course import BEGINS, CHANGES
+from doormill_ros.diagnosis.parts.case import TOOL, CutCase
 from doormill_ros.diagnosis.parts.effects.effect import Effect
-from doormill_ros.diagnosis.parts.effects.force import TOOL
 from doormill_ros.robot_model.candidate import CauseParameter, number
 from doormill_ros.units import GRAVITY
 
@@ -21,6 +21,7 @@ class _Weight(Effect):
     name = "gravity_sag"
     of_weight = True
     rigid = True
+    courses = (BEGINS, CHANGES)  # what hangs on an arm is there or not
 
     def pattern(self) -> str:
         """What it leaves."""
