@@ -13,7 +13,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from doormill_ros.arrays import FloatArray, IntArray
-from doormill_ros.diagnosis.core.beam import ENTRY, EQUAL
+from doormill_ros.diagnosis.core.beam import EQUAL
 from doormill_ros.diagnosis.core.fit import Fit
 from doormill_ros.diagnosis.parts.course import InTime
 from doormill_ros.diagnosis.parts.discrepancy import Discrepancy, ForceDiscrepancy, gives_way
@@ -123,17 +123,17 @@ def force_shares(
 def is_chance(without: DoorDiagnosis, beside: DoorDiagnosis) -> bool:
     """Whether forces by chance say of the doors what names say without them, or something as likely.
 
-    Other names have to be likelier by as much as a cause that joins a model.
+    Other names have to be likelier by more than models differ by that count as equally good.
     """
     same = {one.cause.identity for one in without.findings} == {one.cause.identity for one in beside.findings}
     gain = deviance(beside) - deviance(without)
-    return gain < (0.0 if same else ENTRY)
+    return gain < (0.0 if same else EQUAL)
 
 
 def deviance(found: DoorDiagnosis) -> float:
     """-2 log likelihood of the best model, less a constant, with what numbers and doors of change cost (BIC)."""
     problem, model = found.problem, found.best
-    each, steps = np.log(len(problem)), {member.course.at for member in model.members if member.course.steps}
+    each, steps = np.log(len(problem)), sum(member.course.steps for member in model.members)
     numbers = model.size + len(problem.discrepancies)
-    chosen = 2.0 * np.log(max(len(problem.doors) - 1, 1)) * len(steps)
+    chosen = 2.0 * np.log(max(len(problem.doors) - 1, 1)) * steps
     return float(model.score + problem.nuisance.log_determinant + each * numbers + chosen)
