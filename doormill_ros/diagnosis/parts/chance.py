@@ -41,11 +41,13 @@ def by_chance(problem: DoorProblem) -> ForceDiscrepancy | None:
 
     Of doors that are nearly all other ones, as much as all of them do.
     """
+    if len(problem.doors) <= _FREE:
+        return None
     shares, variance = force_shares(problem)
     recipes = np.unique([door.recipe for door in problem.doors], return_inverse=True)[1].ravel()
     if len(shares) - recipes.max() - 1 < _FREE:
         recipes = np.zeros(len(shares), dtype=int)
-    return None if len(shares) <= _FREE else _scattering(problem, shares, variance, recipes)
+    return _scattering(problem, shares, variance, recipes)
 
 
 def by_what_is_left(found: DoorDiagnosis) -> ForceDiscrepancy | None:

@@ -35,6 +35,7 @@ from doormill_ros.diagnosis.parts.steps import possible_steps
 from doormill_ros.diagnosis.parts.warming import warmed
 from doormill_ros.diagnosis.parts.without_name import (
     asked_beside,
+    laws_of,
     unnamed_document,
     unnamed_sentences,
 )
@@ -150,10 +151,11 @@ class Inspections(SearchedKind[InspectedDoor, DoorProblem, InTime]):
         """With what changed since which door, charts, and a model for the path generator."""
         progress("asking since when")
         changes = changes_of(diagnosis)
+        laws = laws_of(diagnosis)
         charts = charts_of(diagnosis, min((c.door for c in changes if c.kind == STEP), default=None))
         remarks = [
             *change_sentences(diagnosis, changes),
-            *unnamed_sentences(diagnosis),
+            *unnamed_sentences(diagnosis, laws),
             *_scope(diagnosis),
             *_slipped(diagnosis, sets),
         ]
@@ -161,7 +163,7 @@ class Inspections(SearchedKind[InspectedDoor, DoorProblem, InTime]):
         account = account_of(diagnosis, self.words, next_sentence(steps), checks)
         sections = (
             _facts(diagnosis, sets)
-            | unnamed_document(diagnosis)
+            | unnamed_document(diagnosis, laws)
             | {
                 "changes": changes_document(diagnosis, changes),
                 "charts": charts.document(),

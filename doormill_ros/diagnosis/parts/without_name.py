@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -127,41 +127,46 @@ def with_discrepancy(found: DoorDiagnosis) -> DoorDiagnosis:
     )
 
 
-def unnamed_document(diagnosis: DoorDiagnosis) -> dict[str, Any]:
-    """`unnamed` and `characterised` of diagnosis.json; nothing where nothing was asked beside a discrepancy."""
+def unnamed_document(diagnosis: DoorDiagnosis, laws: Sequence[str]) -> dict[str, Any]:
+    """`unnamed` and `characterised` of diagnosis.json, with `laws_of`; nothing where there are none."""
     discrepancies, kept = diagnosis.problem.discrepancies, diagnosis.kept
     if not discrepancies:
         return {}
     squares = diagnosis.question.holdout_squares(diagnosis.extended, kept)
     _, (low, high) = bootstrap_ratio(np.full(len(squares), squares.mean()), squares)
     value = diagnosis.question.holdout_rmse(diagnosis.extended, kept)
-    laws = [
+    unnamed = [
         {
             "where": discrepancy.where,
             "acts_on": discrepancy.acts_on,
             "driver": discrepancy.driver,
-            "law": _law(diagnosis, discrepancy),
+            "law": law,
             "holdout_rmse_without": diagnosis.holdout_rmse[1],
             "rivals": [],
             "test": discrepancy.test,
         }
-        for discrepancy in discrepancies
+        for discrepancy, law in zip(discrepancies, laws, strict=True)
     ]
-    return {"unnamed": laws, "characterised": {"holdout_rmse": value, "ci95": [value * low, value * high]}}
+    return {"unnamed": unnamed, "characterised": {"holdout_rmse": value, "ci95": [value * low, value * high]}}
 
 
-def unnamed_sentences(diagnosis: DoorDiagnosis) -> list[str]:
-    """What of it the report says."""
+def unnamed_sentences(diagnosis: DoorDiagnosis, laws: Sequence[str]) -> list[str]:
+    """What of it the report says, with `laws_of`."""
     discrepancies = diagnosis.problem.discrepancies
     if not discrepancies:
         return []
     left = diagnosis.question.holdout_rmse(diagnosis.extended, diagnosis.kept)
-    laws = " Also without a name: ".join(f"{_law(diagnosis, one)}." for one in discrepancies)
+    told = " Also without a name: ".join(f"{law}." for law in laws)
     return [
-        f"Without a name: {laws} Beside that the doors leave {m_to_um(left):.1f} um. "
+        f"Without a name: {told} Beside that the doors leave {m_to_um(left):.1f} um. "
         + " ".join(one.hides for one in discrepancies),
         *(f"What it is: {one.test}." for one in discrepancies),
     ]
+
+
+def laws_of(diagnosis: DoorDiagnosis) -> list[str]:
+    """Every discrepancy beside which the doors were asked, in words."""
+    return [_law(diagnosis, one) for one in diagnosis.problem.discrepancies]
 
 
 def _law(diagnosis: DoorDiagnosis, discrepancy: Discrepancy) -> str:

@@ -57,12 +57,12 @@ def effects(
         warming: Whether the doors are from times far enough apart.
         places: In how many places of the cell features were milled.
     """
-    some_tools = tools if len(tools) > 1 else ()
-    where_cut = (TOOL, *(kinds if len(kinds) > 1 else ()), *some_tools)
+    mills = (TOOL, *(tools if len(tools) > 1 else ()))
+    where_cut = (TOOL, *(kinds if len(kinds) > 1 else ()), *mills[1:])
     none = np.zeros(len(q))
     shapes = unnamed_patterns(q, none, np.full(len(q), np.nan), none)
     return [
-        *shifts(tools),
+        *shifts(mills),
         *weights(),
         *(Warming(hours) for hours in (REST if warming else ())),
         *(ForceScale(where) for where in where_cut),
@@ -70,7 +70,7 @@ def effects(
         *(ElasticEffect(JointStiffness(where)) for where in JOINTS),
         *(Hardening(where) for where in JOINTS),
         *(Gap(where, crossing) for where in JOINTS for crossing in CROSSINGS),
-        *(MillBending(where) for where in (TOOL, *some_tools)),
+        *(MillBending(where) for where in mills),
         ElasticEffect(ToolCompliance("flange")),
         ElasticEffect(BaseCompliance("base")),
         PathLag(),

@@ -8,7 +8,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.core.course import BEGINS
-from doormill_ros.diagnosis.parts.case import TOOL, CutCase
+from doormill_ros.diagnosis.parts.case import CutCase
 from doormill_ros.diagnosis.parts.effects.effect import Effect, Unloaded
 from doormill_ros.robot_model.candidate import CauseParameter
 from doormill_ros.units import UM
@@ -157,12 +157,8 @@ def _scaled(theta: FloatArray) -> FloatArray:
     return UM * theta
 
 
-def shifts(tools: Sequence[str]) -> list[Effect]:
-    """Effects of camera and clamp, of all tools alike and of each of several.
-
-    Args:
-        tools: Names of those that cut.
-    """
+def shifts(mills: Sequence[str]) -> list[Effect]:
+    """Effects of camera and clamp, and of mills: TOOL for all of them alike, or the name of one."""
     return [
         Shift(
             "camera_shift",
@@ -182,13 +178,9 @@ def shifts(tools: Sequence[str]) -> list[Effect]:
             [50.0] * 3,
             report=_scaled,
         ),
-        *(_of_tool("tool_radius", where, True) for where in _places(tools)),
-        *(_of_tool("tool_length", where, False) for where in _places(tools)),
+        *(_of_tool("tool_radius", where, True) for where in mills),
+        *(_of_tool("tool_length", where, False) for where in mills),
     ]
-
-
-def _places(tools: Sequence[str]) -> Sequence[str]:
-    return (TOOL, *tools) if len(tools) > 1 else (TOOL,)
 
 
 def _of_tool(name: str, where: str, walls: bool) -> Shift:
