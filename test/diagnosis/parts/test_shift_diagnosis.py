@@ -178,6 +178,23 @@ def test_a_controller_that_lags_leaves_arcs_standing(tmp_path, corner, factor):
     assert lag.values[0] == pytest.approx(corner, rel=0.15)
 
 
+def test_a_controller_that_was_set_anew_lags_from_that_door_on(tmp_path):
+    world = {"change": [{"from_door": 4, "controller": {"corner": 5e-4}}]}
+    diagnosis = diagnosed(tmp_path, world, TURNS[:8])
+    found = judged(diagnosis, (Hidden("path_lag", "controller", 4),))
+    assert (found.verdict, found.missed, found.wrong, found.late) == ("explained", (), (), ())
+
+
+def test_what_hangs_on_the_arm_and_how_it_was_made_does_not_drift(tmp_path):
+    problem = KIND.problem(inspected(gauged_shift(tmp_path, {"seed": 1}, TURNS[:6], 1))).changed_at((3,))
+    drift = {one.name for one in problem.candidates() if one.course.drifts}
+    steps = {one.name for one in problem.candidates() if one.course.steps}
+    assert not drift & {"gravity_sag", "path_lag", "link_geometry", "joint_hardening"}
+    assert {"process_force", "tool_radius", "clamp_shift"} <= drift
+    assert {"gravity_sag", "path_lag", "process_force"} <= steps
+    assert "joint_hardening" not in steps
+
+
 ALPHA, THETA = 3, 0  #: columns of a Denavit-Hartenberg table
 PLACED = (*HINGE_DOORS, "thesis_1350_2deg", "standard_door")
 

@@ -1,13 +1,14 @@
 """A gauge that slips at a point costs that point and nothing else."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from doormill_ros.diagnosis.parts.kind import Inspections, inspected_door
 from doormill_ros.diagnosis.parts.recorded_cut import recorded_cut
-from doormill_ros.diagnosis.parts.slips import slips
+from doormill_ros.diagnosis.parts.slips import slips, slips_beside
 from doormill_ros.errors import DataSetError
 from doormill_ros.measurements.inspection import inspections_in
 from support.gauged_shift import HINGE_DOORS, gauged_shift
@@ -114,3 +115,23 @@ def test_slips_do_not_carry_doors_away_that_may_have_stood_anywhere(door, tmp_pa
     account = KIND.account(found, doors, [], lambda line: None)
     assert account.sections["points"]["slips"] == 2 * len(doors)
     assert [finding.cause.key for finding in found.findings] == [("process_force", "tool")]
+
+
+@pytest.mark.parametrize(
+    ("about", "apart", "slip"),
+    [(0.0, 1.0, True), (25.0, 1.0, True), (40.0, 1.0, False), (0.0, 60.0, False)],
+    ids=["quiet", "carried along", "a hollow", "neighbours apart"],
+)
+def test_a_slip_stands_out_from_the_points_around_it(door, about, apart, slip):
+    inspection, cut = door
+    problem = KIND.problem([inspected_door(inspection, cut)])
+    walls = np.flatnonzero(problem.points.wall & (problem.points.feature == problem.points.feature[0]))
+    one = walls[len(walls) // 2]
+    white = np.zeros((len(problem), 1))
+    white[walls, 0] = about + apart * np.where(np.arange(len(walls)) % 2, 0.5, -0.5)
+    white[one] = 90.0
+    prediction = SimpleNamespace(white=white)
+    found = SimpleNamespace(
+        problem=problem, kept=np.abs(white[:, 0]) < 10.0, best=SimpleNamespace(prediction=prediction)
+    )
+    assert np.flatnonzero(slips_beside(found)).tolist() == ([one] if slip else [])

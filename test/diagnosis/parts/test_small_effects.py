@@ -7,7 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from doormill_ros.diagnosis.parts.course import InTime
+from doormill_ros.diagnosis.parts.effects.shift import Warming
 from doormill_ros.diagnosis.parts.kind import Inspections
+from doormill_ros.diagnosis.parts.known import SHARE
 from doormill_ros.diagnosis.parts.problem import FLANK, DoorProblem
 from support.gauged_shift import HINGE_DOORS, gauged_shift
 from support.shift_worlds import diagnosed, draw_shift, inspected, judged
@@ -40,6 +43,18 @@ def test_a_spring_is_named_from_twice_what_the_mill_is_known_to_on(problem: Door
     [check] = problem.objections([force, spring], np.array([0.5, 0.0]), spring)
     assert check.fails
     assert "0.0 um" in check.against
+
+
+def test_a_drift_is_known_to_a_share_of_itself(problem: DoorProblem) -> None:
+    spring = next(one for one in problem.candidates() if one.key == ("joint_stiffness", "joint 1"))
+    warming, growth = InTime(Warming(0.5)), 2e4
+    drift = growth * warming.effect.displacement(problem.case)[:, 0]
+    alone, beside = (
+        problem.objections(members, np.array([growth, 0.1][-len(members) :]), spring)[0].margins[0].value
+        for members in ([spring], [warming, spring])
+    )
+    assert alone / beside == pytest.approx(np.hypot(1.0, SHARE * np.sqrt(np.mean(drift**2)) / FLANK))
+    assert alone > 1.5 * beside
 
 
 def test_a_spring_off_by_a_tenth_is_no_cause_beside_a_weight_that_nobody_told(tmp_path: Path) -> None:
