@@ -118,18 +118,20 @@ def test_slips_do_not_carry_doors_away_that_may_have_stood_anywhere(door, tmp_pa
 
 
 @pytest.mark.parametrize(
-    ("about", "apart", "slip"),
-    [(0.0, 1.0, True), (25.0, 1.0, True), (40.0, 1.0, False), (0.0, 60.0, False)],
+    ("about", "apart", "peak", "slip"),
+    [(0.0, 1.0, 90.0, True), (25.0, 1.0, 90.0, True), (40.0, 1.0, 90.0, False), (0.0, 38.0, 70.0, False)],
     ids=["quiet", "carried along", "a hollow", "neighbours apart"],
 )
-def test_a_slip_stands_out_from_the_points_around_it(door, about, apart, slip):
+def test_a_slip_stands_out_from_the_points_around_it(door, about, apart, peak, slip):
     inspection, cut = door
     problem = KIND.problem([inspected_door(inspection, cut)])
     walls = np.flatnonzero(problem.points.wall & (problem.points.feature == problem.points.feature[0]))
     one = walls[len(walls) // 2]
+    distance = np.linalg.norm(problem.points.point[walls] - problem.points.point[one], axis=1)
     white = np.zeros((len(problem), 1))
-    white[walls, 0] = about + apart * np.where(np.arange(len(walls)) % 2, 0.5, -0.5)
-    white[one] = 90.0
+    white[walls, 0] = about
+    white[walls[np.argsort(distance)[1:7]], 0] += apart * np.array([-0.5, -0.5, 0.0, 0.0, 0.5, 0.5])
+    white[one] = peak
     prediction = SimpleNamespace(white=white)
     found = SimpleNamespace(
         problem=problem, kept=np.abs(white[:, 0]) < 10.0, best=SimpleNamespace(prediction=prediction)
