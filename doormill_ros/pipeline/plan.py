@@ -65,7 +65,7 @@ class MillingSetup:
         if growth is None:
             return self
         way, std = growth.at(work, moment)
-        return replace(self, model=grown(self.model, Kinematics(self.robot), way, std), growth=way)
+        return replace(self, model=grown(self.model, Kinematics(self.robot), growth, way, std), growth=way)
 
     def shared(self, recipe: Recipe, T_base_door: FloatArray) -> Share:
         """What this robot mills of a door that stands at T_base_door in the first one's base frame, shape (4, 4)."""

@@ -84,9 +84,9 @@ class NextMorning(DoorTruth):
         super().__init__(world, number, dh, T_flange_tool)
         self._first = first
 
-    def grown(self, time: np.ndarray, points: np.ndarray) -> np.ndarray:
+    def grown(self, time: np.ndarray, points: np.ndarray, flange: np.ndarray) -> np.ndarray:
         """As warm as since the cell began."""
-        return super().grown(time - self._first * TAKT, points)
+        return super().grown(time - self._first * TAKT, points, flange)
 
 
 @dataclass(frozen=True, eq=False)

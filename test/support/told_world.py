@@ -74,7 +74,9 @@ class ToldWorld:
         sent = self._commanded(q)
         actual = self._robot.flange(q, felt, load_point, direction) @ self._tool
         actual[:, :3, 3] += self._truth.bent(felt[:, :3], sent[:, :3, 2])
-        actual[:, :3, 3] += self._truth.grown(np.zeros(len(q)), sent[:, :3, 3])
+        actual[:, :3, 3] += self._truth.grown(
+            np.zeros(len(q)), sent[:, :3, 3], (sent @ inverse(self._tool))[:, :3, 3]
+        )
         return twist_between(sent, self._from_door @ actual)
 
     def standing(self, q, load_point, direction=None) -> np.ndarray:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.summary import TOLERANCE
 from doormill_ros.diagnosis.parts.gauged_door import GaugedDoor
 from doormill_ros.pages.page import Block, Paragraphs, Table
@@ -19,22 +20,31 @@ def capability_of(doors: Sequence[GaugedDoor]) -> list[dict[str, Any]]:
     """By recipe, of all points that were matched: doors and points, mean and standard deviations [m], Cpk and Ppk.
 
     `std` is that of all points, and Ppk follows from it; `std_within` is that about the mean of each door, and Cpk
-    follows from that.
+    follows from that. What so few points cannot tell is None.
     """
     rows = []
     for recipe in dict.fromkeys(door.recipe for door in doors):
         each = [door.points.deviation for door in doors if door.recipe == recipe]
         off = np.concatenate(each)
-        mean, std = float(off.mean()), float(off.std())
-        within = float(np.sqrt(np.mean(np.concatenate([part - part.mean() for part in each]) ** 2)))
-        room = (TOLERANCE - abs(mean)) / 3.0
+        mean, room = float(off.mean()), (TOLERANCE - abs(float(off.mean()))) / 3.0
+        std, within = _deviation([off]), _deviation(each)
         figures = {"mean": mean, "std": std, "std_within": within}
         rows.append(
             {"recipe": recipe, "doors": len(each), "points": len(off)}
             | figures
-            | {"cpk": float(room / max(within, 1e-12)), "ppk": float(room / max(std, 1e-12))}
+            | {"cpk": room / within if within else None, "ppk": room / std if std else None}
         )
     return rows
+
+
+def _deviation(parts: Sequence[FloatArray]) -> float | None:
+    """Standard deviation about the mean of each part, shape (n,) [m]; None where no part has two points."""
+    freedom = sum(len(part) - 1 for part in parts)
+    return (
+        float(np.sqrt(sum(np.sum((part - part.mean()) ** 2) for part in parts) / freedom))
+        if freedom
+        else None
+    )
 
 
 def capability_table(capability: Sequence[dict[str, Any]]) -> list[Block]:
@@ -53,10 +63,8 @@ def capability_table(capability: Sequence[dict[str, Any]]) -> list[Block]:
             str(row["doors"]),
             str(row["points"]),
             f"{m_to_um(row['mean']):+.0f}",
-            f"{m_to_um(row['std']):.0f}",
-            f"{m_to_um(row['std_within']):.0f}",
-            f"{row['cpk']:.2f}",
-            f"{row['ppk']:.2f}",
+            *("-" if row[key] is None else f"{m_to_um(row[key]):.0f}" for key in ("std", "std_within")),
+            *("-" if row[key] is None else f"{row[key]:.2f}" for key in ("cpk", "ppk")),
         ]
         for row in capability
     ]

@@ -25,6 +25,8 @@ class CutCase:
         kind: Kind of the feature of each point, shape (n,).
         tool: Name of the tool that cut it, shape (n,).
         bend: Curvature of the tool's way where it cut each, base axes, shape (n, 3) [1 / m].
+        late: How far beside it the tool passes that follows late by each of `LAGS`, base axes, shape (n, lags, 3) [m].
+        feed: Speed of the tool there, shape (n,) [m / s].
         time: When the door of each point was milled [s since the epoch], shape (n,).
         eye: Where the camera stood that saw the door of each point, base frame, shape (n, 3) [m].
         tip: The tool's tip, flange frame, shape (3,) [m].
@@ -37,6 +39,8 @@ class CutCase:
     kind: np.ndarray[tuple[int], np.dtype[np.str_]]
     tool: np.ndarray[tuple[int], np.dtype[np.str_]]
     bend: FloatArray
+    late: FloatArray
+    feed: FloatArray
     time: FloatArray
     eye: FloatArray
     tip: FloatArray

@@ -26,6 +26,8 @@ class CutPoints:
         direction: Last motion of each joint there, shape (n, 6).
         wrench: Assumed process wrench at the tool's tip, base axes, shape (n, 6) [N, N m].
         bend: Curvature of the tool's way there, towards its centre, base axes, shape (n, 3) [1 / m].
+        late: How far beside it the tool passes that follows late by each of `LAGS`, base axes, shape (n, lags, 3) [m].
+        feed: Speed of the tool there, shape (n,) [m / s].
         row: Of each point among those of its inspection, counted from 0, shape (n,).
         feature, kind: Name in the recipe and kind of the feature of each point, shape (n,).
         tool: Name of the tool that cut it, shape (n,).
@@ -41,6 +43,8 @@ class CutPoints:
     direction: FloatArray
     wrench: FloatArray
     bend: FloatArray
+    late: FloatArray
+    feed: FloatArray
     row: IntArray
     feature: np.ndarray[tuple[int], np.dtype[np.str_]]
     kind: np.ndarray[tuple[int], np.dtype[np.str_]]

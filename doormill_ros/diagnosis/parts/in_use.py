@@ -75,7 +75,7 @@ def _when_milled(cold: ComplianceModel, robot: Robot, first: GaugedDoor, door: G
     if growth is None:
         return cold
     hours = (door.time - first.time) / hours_to_s(1.0)
-    return grown(cold, Kinematics(robot), *growth.after(hours))
+    return grown(cold, Kinematics(robot), growth, *growth.after(hours))
 
 
 def _milled_with(door: GaugedDoor, robot: Robot) -> ComplianceModel | None:

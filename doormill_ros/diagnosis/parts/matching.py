@@ -16,6 +16,7 @@ from scipy.spatial import cKDTree
 from doormill_ros.arrays import BoolArray, FloatArray, IntArray
 from doormill_ros.diagnosis.parts.cut_points import CutPoints
 from doormill_ros.diagnosis.parts.recorded_cut import RecordedCut
+from doormill_ros.diagnosis.parts.way import Moving, Way, way_through
 from doormill_ros.frames import apply, inverse
 from doormill_ros.measurements.inspection import CAMERA, FEATURE, Inspection
 from doormill_ros.recipes.features.base import Feature
@@ -23,9 +24,6 @@ from doormill_ros.robot.description import Robot
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot_model.elastic.load_case import LoadCase, build_load_case
 
-#: Samples of the executed path are divided by this: between two of them, half a millimetre apart, a cutter of 19 mm
-#: reaches 3 um less far than along the way.
-FINER = 4
 #: Positions that reach within this of the farthest one may be the farthest once something is wrong [m].
 RIVALS = 2.5e-4
 #: A joint counts for a point where this turn of it [rad] moves the point by more than that [m].
@@ -37,42 +35,9 @@ AROUND = 4e-3
 #: Features milled farther beside their place than this are matched again where they are: to first order the envelope
 #: moves as the tool does, but 0.4 mm along an arc of 5 mm are 15 um across it [m].
 DISPLACED = 5e-5
-STILL = 1e-7  #: two places of the tool nearer than this are one [m]
-NEIGHBOURS = 2e-3  #: samples farther apart do not tell how the way bends [m]
 _ENOUGH = 20  #: points that tell of a feature's place
 _FLAT = 0.2  #: share of the best seen direction from which on another is seen
 _ABOVE = 1e-4  #: by which the tip may end above a point whose wall it cut [m]
-
-
-@dataclass(frozen=True, eq=False)
-class _Way:
-    """The way of the tool through one feature, finely; feature axes where `flat`.
-
-    Attributes:
-        flat: Tip, shape (m, 3) [m].
-        axis: Of the spindle, out of the wood to into it, shape (m, 3).
-        moved: How far the springs move the tip under the assumed load, shape (m, 3) [m].
-        bend: Its curvature, shape (m, 3) [1 / m].
-        q, direction, wrench: As in `CutPoints`, shape (m, 6).
-    """
-
-    flat: FloatArray
-    axis: FloatArray
-    moved: FloatArray
-    bend: FloatArray
-    q: FloatArray
-    direction: FloatArray
-    wrench: FloatArray
-
-
-def last_motions(q: FloatArray) -> FloatArray:
-    """Direction in which each joint last moved, -1, 0 before it ever did, 1; shape (m, 6) for angles (m, 6)."""
-    step = np.diff(q, axis=0)
-    sign = np.where(np.abs(step) > 1e-9, np.sign(step), 0.0)
-    direction = np.zeros_like(q)
-    for i in range(1, len(q)):
-        direction[i] = np.where(sign[i - 1] == 0.0, direction[i - 1], sign[i - 1])
-    return direction
 
 
 def matched_points(
@@ -102,14 +67,14 @@ def matched_points(
             raise inspection.refuse_point(
                 row, "feature", f"is {name!r}, the recipe has {', '.join(sorted(names))}"
             )
-    direction, found = last_motions(cut.q), []
+    moving, found = Moving.along(cut), []
     for feature in cut.recipe.features:
         of_feature = np.array(inspection.feature) == feature.id
         cutting = cut.cutting & (np.array(cut.feature) == feature.id)
         if not of_feature.any() or not np.any(cutting & np.any(cut.wrench != 0.0, axis=1)):
             continue
         T_base_feature = cut.T_base_door @ cut.recipe.T_door_feature(feature)
-        way = _way(cut, direction, cutting, T_base_feature, robot, T_flange_tool)
+        way = way_through(cut, moving, cutting, T_base_feature, robot, T_flange_tool)
         for wall in (True, False):
             rows = np.flatnonzero(of_feature & (inspection.wall == wall) & ~slipped)
             if len(rows):
@@ -126,62 +91,6 @@ def matched_points(
     if not found:
         raise inspection.refuse("run_id", "names a run that cut none of the measured points under one load")
     return CutPoints.joined(found)
-
-
-def curvature(points: FloatArray) -> FloatArray:
-    """Curvature of a way towards its centre, shape (m, 3) [1 / m]: of the circle through each point and its neighbours.
-
-    Args:
-        points: Shape (m, 3) [m]; of several at one place each has the curvature of that place.
-    """
-    kept = np.concatenate([[True], np.linalg.norm(np.diff(points, axis=0), axis=1) > STILL])
-    knots = points[kept]
-    bend = np.zeros_like(knots)
-    if len(knots) > 2:
-        step = np.diff(knots, axis=0)
-        length = np.linalg.norm(step, axis=1, keepdims=True)
-        turn = np.diff(step / length, axis=0)
-        near = np.maximum(length[1:], length[:-1]) < NEIGHBOURS  # beside a gap nobody knows the way
-        bend[1:-1] = np.where(near, 2.0 * turn / (length[1:] + length[:-1]), 0.0)
-    found: FloatArray = bend[np.cumsum(kept) - 1]
-    return found
-
-
-def _way(
-    cut: RecordedCut,
-    direction: FloatArray,
-    cutting: BoolArray,
-    T_base_feature: FloatArray,
-    robot: Robot,
-    T_flange_tool: FloatArray,
-) -> _Way:
-    rows = np.flatnonzero(cutting)
-    case = build_load_case(
-        Kinematics(robot),
-        cut.q[rows],
-        cut.wrench[rows],
-        T_flange_tool[:3, 3],
-        joint_stiffness=np.array(robot.stiffness),
-    )
-    first = np.flatnonzero(np.diff(rows) == 1)  # pieces of way between neighbours, not from pass to pass
-    share = np.arange(FINER) / FINER
-    R_feature_base = T_base_feature[:3, :3].T
-
-    def finely(values: FloatArray) -> FloatArray:
-        between = values[first, None] * (1.0 - share[:, None]) + values[first + 1, None] * share[:, None]
-        return np.concatenate([between.reshape(-1, values.shape[1]), values[-1:]])
-
-    return _Way(
-        flat=finely(apply(inverse(T_base_feature), cut.tool[rows, :3, 3])),
-        axis=finely(cut.tool[rows, :3, 2] @ R_feature_base.T),
-        moved=finely(case.springs()[:, :3] @ R_feature_base.T),
-        bend=finely(curvature(cut.tool[rows, :3, 3]) @ R_feature_base.T),
-        q=finely(cut.q[rows]),
-        direction=np.concatenate(
-            [np.repeat(direction[rows[first + 1]], FINER, axis=0), direction[rows[-1:]]]
-        ),
-        wrench=finely(cut.wrench[rows]),
-    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -215,7 +124,7 @@ class _Place:
     robot: Robot
     T_flange_tool: FloatArray
 
-    def moments(self, way: _Way, off: FloatArray) -> _Moments:
+    def moments(self, way: Way, off: FloatArray) -> _Moments:
         """When each point was cut.
 
         Args:
@@ -270,7 +179,7 @@ class _Place:
         normal = self.inspection.normal[self.rows]
         return apply(T_feature_door, self.inspection.point[self.rows]), normal @ T_feature_door[:3, :3].T
 
-    def matched(self, way: _Way, moments: _Moments) -> CutPoints:
+    def matched(self, way: Way, moments: _Moments) -> CutPoints:
         """The points, those left out that tell of no single moment."""
         inspection, rows, wall, at = self.inspection, self.rows, self._wall, moments.at
         normal = inspection.normal[rows] @ self.T_base_door[:3, :3].T
@@ -286,6 +195,8 @@ class _Place:
             direction=way.direction[at],
             wrench=way.wrench[at],
             bend=way.bend[at] @ self.T_base_feature[:3, :3].T,
+            late=way.late[at] @ self.T_base_feature[:3, :3].T,
+            feed=way.feed[at],
             row=rows,
             feature=np.full(len(rows), self.feature.id),
             kind=np.full(len(rows), self.feature.kind),
@@ -300,7 +211,7 @@ class _Place:
 
 
 def _reach(
-    flat: FloatArray, outward: FloatArray, way: _Way, at: IntArray, radius: float, wall: bool
+    flat: FloatArray, outward: FloatArray, way: Way, at: IntArray, radius: float, wall: bool
 ) -> FloatArray:
     """How far along its normal a point would be cut by positions of the tool, shape (m,) [m]; -inf for not.
 

@@ -6,9 +6,8 @@ import itertools
 from collections.abc import Sequence
 from dataclasses import replace
 
+from doormill_ros.diagnosis.core.times import growing
 from doormill_ros.diagnosis.parts.gauged_door import GaugedDoor
-
-_APART = 1e-3  #: by which doors of one stamp follow each other, so that a time tells a door [s]
 
 
 def in_order(doors: Sequence[GaugedDoor]) -> list[GaugedDoor]:
@@ -30,6 +29,5 @@ def in_order(doors: Sequence[GaugedDoor]) -> list[GaugedDoor]:
         found.sort(key=lambda door: door.milled or 0.0)
         if any(before.time >= after.time for before, after in itertools.pairwise(found)):
             found = [replace(door, time=door.milled or 0.0) for door in found]
-    for number in range(1, len(found)):
-        found[number] = replace(found[number], time=max(found[number].time, found[number - 1].time + _APART))
-    return found
+    times = growing([door.time for door in found])
+    return [replace(door, time=time) for door, time in zip(found, times, strict=True)]

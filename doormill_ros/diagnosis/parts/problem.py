@@ -37,10 +37,10 @@ from doormill_ros.diagnosis.parts.matching import cut_case
 from doormill_ros.diagnosis.parts.moved import by_load, moved
 from doormill_ros.diagnosis.parts.order import in_order
 from doormill_ros.diagnosis.parts.placement import DoorPlaces, door_places, places_of
+from doormill_ros.diagnosis.parts.stretches import stretches
 from doormill_ros.robot.description import Robot
 
-STRETCH = 0.02  #: points of one stretch of wall of this length are left out together [m]
-FEW = 3  #: doors from which on whole features are left out together instead
+FEW = 3  #: doors from which on whole features are left out together instead of stretches of them
 MANY = 120  #: such groups; from there on whole doors
 ROWS = 3000  #: points that are fitted; of more, every second, third, ... counts
 DOORS_OVER_TIME = 5  #: from which on something may change
@@ -97,6 +97,8 @@ class DoorProblem(Examined[InTime]):
             kind=self.points.kind,
             tool=self.points.tool,
             bend=self.points.bend,
+            late=self.points.late,
+            feed=self.points.feed,
             time=self._of_door([door.time for door in self.doors]),
             eye=self._of_door([door.eye for door in self.doors]),
             tip=T_flange_tool[:3, 3],
@@ -128,18 +130,11 @@ class DoorProblem(Examined[InTime]):
 
     def _groups(self) -> IntArray:
         """What is left out together, shape (n,): neighbours know too much of each other."""
-        if len(self.doors) < FEW:
-            return self._stretches()
         labels = np.char.add(np.char.add(self.door.astype(str), " "), self.points.feature)
         groups = np.unique(labels, return_inverse=True)[1].ravel()
+        if len(self.doors) < FEW:
+            return stretches(self.points.point, 2 * groups + self.points.wall)
         return groups if groups.max() < MANY else self.door
-
-    def _stretches(self) -> IntArray:
-        step = np.linalg.norm(np.diff(self.points.point, axis=0), axis=1)
-        other = (self.points.feature[1:] != self.points.feature[:-1]) | (np.diff(self.door) != 0)
-        other |= self.points.wall[1:] != self.points.wall[:-1]
-        way = np.concatenate([[0.0], np.cumsum(np.where(other, 10.0 * STRETCH, step))])
-        return np.unique((way / STRETCH).astype(int), return_inverse=True)[1].ravel()
 
     def without(self, points: BoolArray) -> Self:
         """The same doors less some points, shape (n,)."""

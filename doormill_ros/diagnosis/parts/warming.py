@@ -10,7 +10,7 @@ from doormill_ros.diagnosis.core.finding import Finding
 from doormill_ros.diagnosis.core.fit import fit
 from doormill_ros.diagnosis.parts.course import InTime
 from doormill_ros.diagnosis.parts.effects.registry import REST
-from doormill_ros.diagnosis.parts.effects.shift import Warming
+from doormill_ros.diagnosis.parts.effects.shift import ArmWarming, Warming
 from doormill_ros.diagnosis.parts.problem import DoorDiagnosis
 from doormill_ros.robot_model.warmth.growth import GrowthLaw, ThermalGrowth
 from doormill_ros.units import UM, hours_to_s
@@ -33,11 +33,12 @@ def growth_told(diagnosis: DoorDiagnosis) -> ThermalGrowth | None:
     if cause is None:
         return None
     problem, found = diagnosis.problem, diagnosis.extended
-    where = found.part(cause).start
+    where, arm = found.part(cause).start, isinstance(cause.effect, ArmWarming)
     noise = max(1.0, float(np.mean(found.prediction.cost[found.weights > 0.0])) / problem.components)
     fits = []
     for hours in REST:
-        members = [InTime(Warming(hours)) if member is cause else member for member in found.members]
+        warming = ArmWarming(hours) if arm else Warming(hours)
+        members = [InTime(warming) if member is cause else member for member in found.members]
         fits.append(fit(problem, members, [found.theta]))
     score = np.array([one.score for one in fits])
     weight = np.exp(-0.5 * (score - score.min()) / noise)
@@ -50,4 +51,4 @@ def growth_told(diagnosis: DoorDiagnosis) -> ThermalGrowth | None:
         laws.append(GrowthLaw(REST[i], float(size), float(std), float(weight[i] / weight[kept].sum())))
     times = [door.time for door in problem.doors]
     takt = float(np.median(np.diff(times)))
-    return ThermalGrowth(tuple(laws), (times[-1] - times[0]) / hours_to_s(1.0), takt)
+    return ThermalGrowth(tuple(laws), (times[-1] - times[0]) / hours_to_s(1.0), takt, arm)

@@ -17,6 +17,7 @@ from doormill_ros.robot_model.warmth.work_times import WorkTimes
 #: Times what the doors saw of the work, up to which a law is followed. A growth that goes ever more slowly has at most
 #: twice as much by then: had it stood still from the last door on, what is undone too much would be no more than was.
 AHEAD = 2.0
+REACH = 2.0  #: from base to flange at which a growth of the whole arm is told [m]
 
 
 @dataclass(frozen=True)
@@ -44,14 +45,17 @@ class ThermalGrowth:
         laws: At least one.
         seen: From the first to the last door that told it [h].
         takt: Between doors that told it, the median [s]; a longer time is a pause.
+        arm: Whether all lengths of the arm grow by one share, so that the tool moves in proportion to the way from base
+            to flange, and as told at `REACH`; else it comes forward by as much wherever it is.
     """
 
     laws: tuple[GrowthLaw, ...]
     seen: float
     takt: float
+    arm: bool = False
 
     def at(self, work: WorkTimes, moment: float) -> tuple[float, float]:
-        """Way of the tool away from the base, and its standard deviation [m].
+        """Way of the tool away from the base, at `REACH` where `arm` grows, and its standard deviation [m].
 
         Args:
             work: When the cell worked.
@@ -74,7 +78,12 @@ class ThermalGrowth:
 
     def document(self) -> dict[str, Any]:
         """As model.yaml has it."""
-        return {"seen": self.seen, "takt": self.takt, "laws": [dict(vars(law)) for law in self.laws]}
+        return {
+            "seen": self.seen,
+            "takt": self.takt,
+            "arm": self.arm,
+            "laws": [dict(vars(law)) for law in self.laws],
+        }
 
 
 def growth_of(document: Mapping[str, Any]) -> ThermalGrowth:
@@ -88,7 +97,10 @@ def growth_of(document: Mapping[str, Any]) -> ThermalGrowth:
     if not isinstance(entries, list) or not entries:
         raise ValueError(f"laws of thermal_growth is {entries!r:.80}, allowed is a list of at least one")
     laws = tuple(GrowthLaw(*(float(entry[name]) for name in names)) for entry in entries)
-    found = ThermalGrowth(laws, float(document["seen"]), float(document["takt"]))
+    arm = document.get("arm", False)
+    if not isinstance(arm, bool):
+        raise ValueError(f"arm of thermal_growth is {arm!r:.80}, allowed are true and false")
+    found = ThermalGrowth(laws, float(document["seen"]), float(document["takt"]), arm)
     if not all(np.isfinite([found.seen, found.takt, *(v for law in laws for v in vars(law).values())])):
         raise ValueError("thermal_growth has a number that is not finite, allowed are finite ones")
     least = min(min(law.std, law.weight) for law in laws)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.frames import rotation_from_vector, transform
+from doormill_ros.frames import inverse, rotation_from_vector, transform
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.simulation.controller.executed_path import ExecutedPath
 from doormill_ros.simulation.controller.limits import ControllerLimits, load_limits
@@ -15,6 +15,7 @@ from doormill_ros.simulation.truth.last_motion import last_directions
 from doormill_ros.simulation.world.corners import cut_corners
 from doormill_ros.simulation.world.engagement import engaged_wrench
 from doormill_ros.simulation.world.robot import WorldRobot
+from doormill_ros.simulation.world.servo import lagging
 from doormill_ros.simulation.world.world_file import ShiftWorld
 
 TAKT = 180.0  #: from the begin of a door to that of the next one, about 500 doors a day [s]
@@ -89,9 +90,12 @@ class DoorTruth:
         commanded = path.T_base_tool_commanded[:, :3, 3]
         actual[:, :3, 3] += (
             self.bent(wrench[:, :3], path.T_base_tool_commanded[:, :3, 2])
-            + self.grown(path.time, commanded)
+            + self.grown(
+                path.time, commanded, (path.T_base_tool_commanded @ inverse(self._T_flange_tool))[:, :3, 3]
+            )
             + cut_corners(path.time, commanded, self.world.controller.corner)
-            - commanded
+            + lagging(path.time, commanded, self.world.controller.lag)
+            - 2.0 * commanded
         )
         return replace(path, T_base_tool=actual)
 
@@ -121,16 +125,17 @@ class DoorTruth:
         across: FloatArray = force - np.sum(force * axis, axis=1, keepdims=True) * axis
         return across / stiffness
 
-    def grown(self, time: FloatArray, points: FloatArray) -> FloatArray:
+    def grown(self, time: FloatArray, points: FloatArray, flange: FloatArray) -> FloatArray:
         """Way of the tool, away from the robot's base, because the arm is warm; shape (n, 3) [m].
 
         Args:
             time: Since the begin of this door, shape (n,) [s].
             points: Where the tool is, base frame, shape (n, 3) [m].
+            flange: Where the arm ends, shape (n, 3) [m].
         """
         temperature = self.world.temperature
         hours = (self.number * TAKT + time) / SECONDS
         warmer = temperature.rise * -np.expm1(-hours / temperature.hours)
         length = np.linalg.norm(points, axis=1, keepdims=True)
-        way: FloatArray = (temperature.growth * warmer)[:, None] * points / length
-        return way
+        way: FloatArray = temperature.growth * points / length + temperature.expansion * flange
+        return warmer[:, None] * way

@@ -157,11 +157,13 @@ class TemperatureOfWorld(Section):
         rise: In the end [K].
         hours: Time in which all but 1 / e of it has come [h].
         growth: Of the way from the robot's base to its tool [m / K].
+        expansion: Of all lengths of the arm [1 / K].
     """
 
     rise: Finite = 0.0
     hours: Positive = 2.0
     growth: Finite = 0.0
+    expansion: Finite = 0.0
 
 
 @dataclass(frozen=True)
@@ -171,11 +173,13 @@ class ControllerOfWorld(Section):
     Attributes:
         segment_time: Shortest time of a motion [s].
         corner: How far it cuts a right angle that it passes without a stop [m], beside the programmed zone.
+        lag: Time constant with which the tool follows [s].
         acceleration: Of the tool [m/s^2].
     """
 
     segment_time: NotNegative | None = None
     corner: NotNegative = 0.0
+    lag: NotNegative = 0.0
     acceleration: Positive | None = None
 
 

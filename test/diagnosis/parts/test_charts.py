@@ -1,11 +1,12 @@
 """Control charts: what a recipe leaves is judged by what it left before, and only steps end the doors of the limits."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from doormill_ros.diagnosis.parts.capability import capability_of
+from doormill_ros.diagnosis.parts.capability import capability_of, capability_table
 from doormill_ros.diagnosis.parts.charts import ShiftCharts, control, sums
 from doormill_ros.diagnosis.parts.gauged_door import GaugedDoor
 from doormill_ros.diagnosis.parts.kind import Inspections
@@ -90,3 +91,21 @@ def test_capability_tells_what_varies_within_doors_from_what_varies_between_them
     assert (found["doors"], found["points"]) == (6, noise.size)
     assert found["cpk"] == pytest.approx(5e-4 / (3 * 2e-5), rel=0.05)
     assert found["ppk"] == pytest.approx(5e-4 / (3 * np.hypot(1e-4, 2e-5)), rel=0.05)
+
+
+@pytest.mark.parametrize("each", [1, 2])
+def test_a_standard_deviation_has_the_degrees_of_freedom_that_its_doors_leave(tmp_path, each):
+    door: GaugedDoor = inspected(gauged_shift(tmp_path, {"seed": 1}, HINGE_DOORS[:1], 1))[0].door
+    rng = np.random.default_rng(6)
+    doors = [
+        replace(door, points=replace(door.points, deviation=off)[:each])
+        for off in rng.normal(0.0, 1e-5, (400, len(door.points)))
+    ]
+    [found] = capability_of(doors)
+    assert found["ppk"] == pytest.approx(5e-4 / (3 * 1e-5), rel=0.1)
+    if each == 1:
+        assert (found["std_within"], found["cpk"]) == (None, None)
+        json.dumps(found, allow_nan=False)
+        assert capability_table([found])
+    else:
+        assert found["std_within"] == pytest.approx(1e-5, rel=0.1)

@@ -178,6 +178,18 @@ def test_a_controller_that_lags_leaves_arcs_standing(tmp_path, corner, factor):
     assert lag.values[0] == pytest.approx(corner, rel=0.15)
 
 
+@pytest.mark.parametrize("lag", [0.02, 0.03])
+def test_servo_loops_that_follow_late_are_told_by_the_speed(tmp_path, lag):
+    diagnosis = diagnosed(tmp_path, {"controller": {"lag": lag}}, TURNS[:6])
+    found = judged(diagnosis, (Hidden("path_lag", "controller"),))
+    assert (found.verdict, found.missed, found.wrong, found.late) == ("explained", (), (), ())
+    (cause,) = [finding.cause for finding in diagnosis.findings]
+    theta = diagnosis.extended.theta[diagnosis.extended.part(cause)]
+    assert np.sqrt(1e-4 * theta[0]) == pytest.approx(
+        lag, rel=0.05
+    )  # theta is the square of tens of milliseconds
+
+
 def test_a_controller_that_was_set_anew_lags_from_that_door_on(tmp_path):
     world = {"change": [{"from_door": 4, "controller": {"corner": 5e-4}}]}
     diagnosis = diagnosed(tmp_path, world, TURNS[:8])

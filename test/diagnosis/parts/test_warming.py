@@ -7,6 +7,7 @@ import pytest
 
 from doormill_ros.diagnosis.parts.in_use import in_use_document
 from doormill_ros.diagnosis.parts.warming import growth_told
+from doormill_ros.robot_model.warmth.growth import REACH
 from doormill_ros.robot_model.warmth.work_times import WorkTimes
 from doormill_ros.simulation.world.door_truth import TAKT
 from doormill_ros.simulation.world.gauge import NOISE
@@ -21,11 +22,18 @@ HOURS = 0.72
 END = TAKT * COUNT
 
 
+@pytest.fixture(scope="module", params=[False, True], ids=["one length grows", "the whole arm grows"])
+def arm(request):
+    """Whether all lengths of the arm grow."""
+    return request.param
+
+
 @pytest.fixture(scope="module")
-def shift(tmp_path_factory):
+def shift(tmp_path_factory, arm):
     """Folder and diagnosis of doors of a cell that warms up."""
     folder = tmp_path_factory.mktemp("warming") / "shift"
-    world = {"seed": SEED, "temperature": {"rise": RISE, "hours": HOURS, "growth": GROWTH}}
+    grows = {"expansion": GROWTH / REACH} if arm else {"growth": GROWTH}
+    world = {"seed": SEED, "temperature": {"rise": RISE, "hours": HOURS, **grows}}
     doors = tuple(itertools.islice(itertools.cycle(HINGE_DOORS), COUNT))
     return folder, diagnosed(folder, DrawnShift(world, (), doors), SEED)
 
@@ -40,9 +48,10 @@ def truth(seconds):
     return RISE * GROWTH * -np.expm1(-seconds / 3600.0 / HOURS)
 
 
-def test_the_law_tells_the_growth_of_the_next_doors_as_well_as_it_says(shift):
+def test_the_law_tells_the_growth_of_the_next_doors_as_well_as_it_says(shift, arm):
     _, diagnosis = shift
     growth = growth_told(diagnosis)
+    assert growth.arm == arm
     assert growth.seen == pytest.approx((COUNT - 1) * TAKT / 3600.0)
     assert growth.takt == pytest.approx(TAKT)
     for seconds in np.linspace(0.0, 2.0 * growth.seen * 3600.0, 12)[1:]:

@@ -73,7 +73,7 @@ def test_a_model_keeps_the_law_and_is_cold_until_it_is_told_how_warm_it_is(tmp_p
     T = Kinematics(ROBOT).forward(Q)
     tip = T[:, :3, :3] @ TIP + T[:, :3, 3]
     for cold, std in ((plain, 0.0), (both, 1e-5)):
-        warm = grown(cold, Kinematics(ROBOT), 1e-4, 3e-5)
+        warm = grown(cold, Kinematics(ROBOT), TWO, 1e-4, 3e-5)
         moved = warm.deflection(Q, wrench, TIP) - cold.deflection(Q, wrench, TIP)
         assert np.allclose(np.linalg.norm(tip + moved[:, :3], axis=1), np.linalg.norm(tip, axis=1) + 1e-4)
         assert np.allclose(np.linalg.norm(moved[:, :3], axis=1), 1e-4)

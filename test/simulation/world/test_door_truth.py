@@ -15,6 +15,7 @@ from doormill_ros.simulation.controller.limits import load_limits
 from doormill_ros.simulation.picture.picture import render_picture
 from doormill_ros.simulation.picture.scene import PictureScene, SceneCamera
 from doormill_ros.simulation.world.door_truth import FORCE, TAKT
+from doormill_ros.simulation.world.servo import lagging
 from doormill_ros.units import DEG, MM
 from support.source_tree import ROOT
 
@@ -133,17 +134,34 @@ def test_the_clamp_moves_the_door_from_its_door_on_and_not_the_tool(truth, recor
 
 def test_an_arm_that_warms_up_by_ten_kelvin_pushes_the_tool_away_from_its_base(truth):
     text = "temperature: {rise: 10, hours: 2, growth: 1.0e-5}"
-    at = np.array([[1.2, 0.0, 1.6]])  # 2 m from the base
-    late = truth(text, 10_000).grown(np.zeros(1), at)
+    at, flange = np.array([[1.2, 0.0, 1.6]]), np.array([[1.0, 0.0, 1.5]])  # the tool is 2 m from the base
+    late = truth(text, 10_000).grown(np.zeros(1), at, flange)
     np.testing.assert_allclose(late, [[0.6e-4, 0.0, 0.8e-4]], rtol=1e-9)
     # After two hours all but 1 / e.
     door = round(2.0 * 3600.0 / TAKT)
-    np.testing.assert_allclose(truth(text, door).grown(np.zeros(1), at), (1.0 - 1.0 / np.e) * late, rtol=1e-9)
     np.testing.assert_allclose(
-        truth(text, 0).grown(np.array([7200.0]), at), (1.0 - 1.0 / np.e) * late, rtol=1e-9
+        truth(text, door).grown(np.zeros(1), at, flange), (1.0 - 1.0 / np.e) * late, rtol=1e-9
     )
-    assert not truth(text, 0).grown(np.zeros(1), at).any()
-    assert not truth("temperature: {rise: 10}", 9).grown(np.zeros(1), at).any()
+    np.testing.assert_allclose(
+        truth(text, 0).grown(np.array([7200.0]), at, flange), (1.0 - 1.0 / np.e) * late, rtol=1e-9
+    )
+    assert not truth(text, 0).grown(np.zeros(1), at, flange).any()
+    longer = truth("temperature: {rise: 10, expansion: 1.2e-5}", 10_000).grown(np.zeros(1), at, flange)
+    np.testing.assert_allclose(longer, 1.2e-4 * flange, rtol=1e-9)
+    assert not truth("temperature: {rise: 10}", 9).grown(np.zeros(1), at, flange).any()
+
+
+def test_a_tool_that_follows_late_goes_round_in_a_smaller_circle_behind_its_command():
+    lag, turn, radius = 0.02, 5.0, 0.01
+    time = np.linspace(0.0, 3.0, 3001)
+    angle = turn * time
+    sent = radius * np.column_stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)])
+    late = lagging(time, sent, lag)[1500:]  # what it began with has died away
+    # Of a first-order lag: 1 / sqrt(1 + (w T)^2) of the size, atan(w T) behind.
+    np.testing.assert_allclose(np.linalg.norm(late, axis=1), radius / np.hypot(1.0, turn * lag), rtol=3e-5)
+    behind = angle[1500:] - np.unwrap(np.arctan2(late[:, 1], late[:, 0])) - 2.0 * np.pi
+    np.testing.assert_allclose(np.mod(behind + np.pi, 2.0 * np.pi) - np.pi, np.arctan(turn * lag), atol=1e-5)
+    assert np.array_equal(lagging(time, sent, 0.0), sent)
 
 
 def test_a_controller_that_lags_moves_the_path_at_its_bends_only(truth, recorded):

@@ -14,9 +14,10 @@ from doormill_ros.diagnosis.parts.effects.elastic import ElasticEffect, Gap, Mil
 from doormill_ros.diagnosis.parts.effects.force import ForceScale, ForceTurn
 from doormill_ros.diagnosis.parts.effects.geometry import LINKS, LinkOffsets
 from doormill_ros.diagnosis.parts.effects.hardening import Hardening
-from doormill_ros.diagnosis.parts.effects.lag import PathLag
-from doormill_ros.diagnosis.parts.effects.shift import Place, Tilt, Warming, shifts
+from doormill_ros.diagnosis.parts.effects.lag import PathLag, ServoLag
+from doormill_ros.diagnosis.parts.effects.shift import ArmWarming, Place, Tilt, Warming, shifts
 from doormill_ros.diagnosis.parts.effects.weight import weights
+from doormill_ros.diagnosis.parts.late import LAGS
 from doormill_ros.robot_model.elastic.causes.base_compliance import BaseCompliance
 from doormill_ros.robot_model.elastic.causes.joint_stiffness import JointStiffness
 from doormill_ros.robot_model.elastic.causes.registry import JOINTS
@@ -64,7 +65,7 @@ def effects(
     return [
         *shifts(mills),
         *weights(),
-        *(Warming(hours) for hours in (REST if warming else ())),
+        *(kind(hours) for kind in (Warming, ArmWarming) for hours in (REST if warming else ())),
         *(ForceScale(where) for where in where_cut),
         *(ForceTurn(where) for where in where_cut),
         *(ElasticEffect(JointStiffness(where)) for where in JOINTS),
@@ -74,6 +75,7 @@ def effects(
         ElasticEffect(ToolCompliance("flange")),
         ElasticEffect(BaseCompliance("base")),
         PathLag(),
+        *(ServoLag(lag) for lag in LAGS),
         *(LinkOffsets(where) for where in (LINKS if places >= PLACES_OF_LINKS else ())),
         Tilt(),
         Place(),

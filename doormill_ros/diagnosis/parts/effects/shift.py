@@ -11,6 +11,7 @@ from doormill_ros.diagnosis.core.course import BEGINS
 from doormill_ros.diagnosis.parts.case import CutCase
 from doormill_ros.diagnosis.parts.effects.effect import Effect, Unloaded
 from doormill_ros.robot_model.candidate import CauseParameter
+from doormill_ros.robot_model.warmth.growth import REACH
 from doormill_ros.units import UM
 
 _SECONDS_PER_HOUR = 3600.0
@@ -142,12 +143,33 @@ class Warming(Unloaded):
     def displacement(self, case: CutCase) -> FloatArray:
         """Since the first door."""
         hours = (case.time - case.time.min()) / _SECONDS_PER_HOUR
-        moved: FloatArray = _from_base(case) * (1.0 - np.exp(-hours / self.hours))
+        moved: FloatArray = self._way(case) * (1.0 - np.exp(-hours / self.hours))
         return moved[:, None]
+
+    def _way(self, case: CutCase) -> FloatArray:
+        """Of the points in the end, for theta = 1, shape (n,) [m]."""
+        return _from_base(case)
 
     def values(self, theta: FloatArray, case: CutCase) -> FloatArray:
         """Growth in the end, and the hours."""
         return np.array([UM * theta[0], self.hours])
+
+
+class ArmWarming(Warming):
+    """All lengths of the arm grow by one share, the tool's aside: theta is its end [um] with the flange at REACH."""
+
+    def __init__(self, hours: float) -> None:
+        """Time constant [h]."""
+        super().__init__(hours)
+        self.variant = f"{hours:g} h, the whole arm"
+
+    def pattern(self) -> str:
+        """What it leaves."""
+        return "the tool comes the further forward the farther the arm reaches, from door to door ever more slowly"
+
+    def _way(self, case: CutCase) -> FloatArray:
+        result: FloatArray = UM / REACH * case.along(case.load.origin[:, 6])
+        return result
 
 
 _METRES, _RADIANS = ("m", -0.1, 0.1), ("rad", -0.1, 0.1)
