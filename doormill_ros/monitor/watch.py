@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import re
 import threading
 from collections import deque
 from collections.abc import Callable
@@ -259,7 +260,12 @@ class ModelWatch:
 
     def _blame(self, verdict: DiagnosisAnswer) -> None:
         """Set the door aside of which the diagnosis complains, and ask about the others."""
-        spoiled = [run_id for run_id in verdict.asked["runs"] if run_id in verdict.failure]
+        # Of each run asked a folder has its name, and the complaint names a file in it, or the folder.
+        spoiled = [
+            run_id
+            for run_id in verdict.asked["runs"]
+            if re.search(rf"/{re.escape(run_id)}(?=[/:,;\s]|$)", verdict.failure)
+        ]
         if not spoiled:
             self._trouble = QuestionError(verdict.failure)
             return

@@ -24,7 +24,7 @@ from doormill_ros.robot_model.elastic.compliance import ComplianceModel
 from doormill_ros.robot_model.elastic.joint_springs import spring_twist
 from doormill_ros.robot_model.elastic.knowledge import MeasuredForce, ModelKnowledge, measured_force_of
 from doormill_ros.robot_model.elastic.law.term import LawTerm
-from doormill_ros.robot_model.elastic.load_case import LoadCase, build_load_case
+from doormill_ros.robot_model.elastic.load_case import LoadCase, build_load_case, largest_of
 from doormill_ros.robot_model.errors import ExtendedModelError
 from doormill_ros.robot_model.gravity.model import SaggingModel
 from doormill_ros.robot_model.gravity.weights import torques
@@ -159,7 +159,7 @@ class ExtendedComplianceModel:
         if self.place is None or not self.place.mass:
             return case
         torque = case.torque + torques(self._kinematics, case.q, [self.place.weight])
-        return replace(case, torque=torque, largest_torque=np.abs(torque).max(axis=0), cache={})
+        return replace(case, torque=torque, largest_torque=largest_of(torque), cache={})
 
 
 def _theta(sized: SizedCause) -> FloatArray:

@@ -184,3 +184,25 @@ def test_a_model_of_another_robot_is_refused(tmp_path):
         load_model_of(load_robot(ROBOT), path)
     assert load_model_of(other, path).robot == other.name
     np.testing.assert_array_equal(load_model_of(other).joint_stiffness, other.stiffness)
+
+
+@pytest.mark.parametrize(
+    ("name", "parameters"),
+    [
+        ("joint_backlash", {"gap": 1e-4, "crossing": 0.0}),
+        ("joint_friction", {"torque": 20.0}),
+        ("joint_hardening", {"stiffness": 1.5e6, "hardening": 2e-3}),
+    ],
+)
+@pytest.mark.parametrize("force", [0.0, 50.0], ids=["no load", "a load that turns joint 1 nowhere"])
+def test_a_joint_without_load_gives_way_by_a_number(name, parameters, force):
+    robot = load_robot(ROBOT)
+    model = ExtendedComplianceModel(
+        ROBOT, robot.dh, robot.stiffness, [SizedCause(build_cause(name, "joint 1"), flat(parameters))]
+    )
+    q = np.tile([0.2, -0.3, 0.4, 0.1, 0.5, 0.3], (3, 1))
+    wrench = np.tile([0.0, 0.0, force, 0.0, 0.0, 0.0], (3, 1))
+    twist = model.deflection(q, wrench, np.zeros(3), np.ones((3, 6)))
+    assert np.all(np.isfinite(twist))
+    plain = ExtendedComplianceModel(ROBOT, robot.dh, robot.stiffness, ()).deflection(q, wrench, np.zeros(3))
+    assert np.abs(twist - plain).max() < 3e-4  # half of a gap 3 m away

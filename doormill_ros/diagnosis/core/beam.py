@@ -13,6 +13,7 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.core.fit import Fit, Identity, fit
 from doormill_ros.diagnosis.core.kinks import polish
 from doormill_ros.diagnosis.core.preview import Preview
+from doormill_ros.diagnosis.core.price import LEFT_OUT, price_of_number
 from doormill_ros.diagnosis.core.problem import C, Problem
 from doormill_ros.diagnosis.core.ranking import QUANTUM, ranked, ranks
 from doormill_ros.diagnosis.core.search import Search
@@ -72,10 +73,12 @@ class BeamSearch(Search[C, Fit[C]], Generic[C]):
 
     def total(self, found: Fit[C]) -> float:
         """Held-out score plus what its numbers and unnamed patterns cost; smaller is better."""
-        each = max(np.log(self.problem.components * len(self.problem)) - 2.0, 1.0)
-        # Numbers on a bound do nothing and cost nothing; every model pays for those that it uses.
+        each = price_of_number(self.problem.components * len(self.problem))
+        # A number at a kink stays where it is when rows are left out: it pays nothing there.
+        kinked = sum(len(cause.kinked) for cause in found.members)
         unnamed = sum(not cause.named for cause in found.members)
-        return float(found.held_out_score + each * found.size + PATTERN_PENALTY * unnamed)
+        price = each * found.size + LEFT_OUT * kinked + PATTERN_PENALTY * unnamed
+        return float(found.held_out_score + price)
 
     def order(self, found: Fit[C]) -> tuple[int, int, list[int]]:
         """What goes first among equals: the measuring chain before the robot, fewer numbers, the library's order."""

@@ -39,7 +39,11 @@ def candidates_table(diagnosis: Diagnosis[Any, Any], words: Words) -> list[Block
             [
                 names,
                 _remark(diagnosis, found),
-                Bar(diagnosis.problem.unit.spoken(residual), residual / longest, _colour(diagnosis, found)),
+                Bar(
+                    diagnosis.problem.unit.spoken(residual),
+                    residual / max(longest, 1e-30),
+                    _colour(diagnosis, found),
+                ),
                 str(round(search.total(found) - search.total(best))),
             ]
         )

@@ -124,9 +124,11 @@ class FittedQuestion(Question[C, Fit[C]], Generic[P, C]):
         return rmse(model.held_out, kept, self.problem.components)
 
     def holdout_squares(self, model: Fit[C], kept: BoolArray) -> FloatArray:
-        """By configuration, shape (configurations,)."""
+        """By what was left out together, shape (k,): configurations, single trials where there is one of these."""
         configuration = self.problem.configuration
         numbers = np.unique(configuration[kept])
+        if len(numbers) == 1:
+            return np.asarray(np.sum(model.held_out[kept] ** 2, axis=1), dtype=float)
         return np.array([np.sum(model.held_out[kept & (configuration == c)] ** 2) for c in numbers])
 
 
@@ -138,10 +140,7 @@ def _remarks(problem: Examined[C], examination: Examination[C, Fit[C]]) -> tuple
             f"The trials that look like gross errors all point along a turn of {joint}: an effect, not slips."
         )
     elif clustered(problem, outliers):
-        lines.append(
-            "The trials that look like gross errors sit together in few configurations or on one reflector: "
-            "an effect, not slips."
-        )
+        lines.append("The trials that look like gross errors sit together: an effect, not slips.")
     if len(np.unique(problem.configuration)) == 1:
         lines.append(
             "All trials share one configuration, so single trials were left out instead of configurations."

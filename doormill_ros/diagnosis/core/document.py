@@ -58,8 +58,10 @@ def cause_entry(named: NamedCause) -> dict[str, Any]:
 def write_diagnosis(
     out: Path, document: Mapping[str, Any], model: Mapping[str, Any] | None, report: str
 ) -> None:
-    """Write the files; each appears complete or not at all."""
+    """Write the files; each appears complete or not at all, and no model of an earlier question stays beside it."""
     out.mkdir(parents=True, exist_ok=True)
+    if model is None:
+        (out / MODEL_FILE).unlink(missing_ok=True)
     contents = {
         "report.html": report,
         "diagnosis.json": json.dumps(document, indent=2, allow_nan=False) + "\n",

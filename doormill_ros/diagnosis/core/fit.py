@@ -12,7 +12,7 @@ from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.diagnosis.core.held_out import left_out
 from doormill_ros.diagnosis.core.problem import C, Prediction, Problem
 from doormill_ros.diagnosis.core.ranking import QUANTUM, ranks
-from doormill_ros.diagnosis.core.robust import robust_sum, trial_weights
+from doormill_ros.diagnosis.core.robust import robust_sum, same_left_out, trial_weights
 
 STEPS = 25  #: of a descent, at most
 RISE = 1e-6  #: share by which a step may raise the cost and still be taken
@@ -163,8 +163,11 @@ def descend(
         change = moved - theta
         theta, prediction = moved, trial
         settled = float(change @ (hessian @ change)) < SETTLED
-        weights = trial_weights(prediction.cost, step >= PATIENT or settled, problem.components)
-        if settled and step >= 1:
+        before, weights = (
+            weights,
+            trial_weights(prediction.cost, step >= PATIENT or settled, problem.components),
+        )
+        if settled and step >= 1 and same_left_out(before, weights):
             break
     return theta, weights
 

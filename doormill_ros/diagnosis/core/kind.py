@@ -81,6 +81,10 @@ class SearchedKind(Kind[S, Diagnosis[P, C]], Generic[S, P, C]):
     def name(self, one: S) -> str:
         """What a set is called."""
 
+    def seen_alike(self, problem: P, diagnosed: P) -> P:
+        """The problem, predicted in the way in which the diagnosed one was in the end."""
+        return problem
+
     def check_together(self, sets: Sequence[S], others: Sequence[S]) -> None:
         """Whatever can be read can be taken together."""
 
@@ -90,7 +94,7 @@ class SearchedKind(Kind[S, Diagnosis[P, C]], Generic[S, P, C]):
 
     def check(self, diagnosis: Diagnosis[P, C], other: S) -> dict[str, Any]:
         """Predict by the model in question, by the extended one, and with laws where there are any."""
-        problem = self.problem([other])
+        problem = self.seen_alike(self.problem([other]), diagnosis.problem)
         extended, laws = diagnosis.extended, diagnosis.characterised
         everything = np.ones(len(problem), dtype=bool)
 

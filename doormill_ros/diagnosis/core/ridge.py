@@ -125,7 +125,7 @@ def learn(
     rounds: int = 8,
     start: FloatArray | None = None,
 ) -> Solution:
-    """Solve H x = g and learn the typical size of every group (empirical Bayes, MacKay's update); shapes as `solve`."""
+    """Solve H x = g and learn the typical size of every group, by expectation and maximization; shapes as `solve`."""
     m = len(sizes.typical)
     variance = np.full(len(g), np.inf)
     variance[:m] = sizes.typical**2 if start is None else start[:m]

@@ -32,6 +32,11 @@ def trial_weights(distance: FloatArray, reject: bool, components: int = 3) -> Fl
     return weights
 
 
+def same_left_out(before: FloatArray, after: FloatArray) -> bool:
+    """Whether two sets of weights, shape (n,) each, set the same rows aside: a fit has not settled before."""
+    return bool(np.array_equal(before == 0.0, after == 0.0))
+
+
 def gross_errors(distance: FloatArray, components: int) -> BoolArray:
     """Trials farther off than chance brings one of them, at most one in ten; of squared distances, shape (n,)."""
     count = len(distance)

@@ -48,7 +48,7 @@ def instability(problem: Examined[C], found: Fit[C], cause: C) -> tuple[float, s
         if probability < worst * (1.0 - _SAME_CHANCE):
             worst, where = probability, name
             apart = float(np.linalg.norm(solution[found.size :])) / size
-    return min(1.0, worst * len(cuts)), where, apart
+    return min(1.0, worst * max(len(cuts), 1)), where, apart
 
 
 def clustered(problem: Examined[C], gross: BoolArray) -> bool:

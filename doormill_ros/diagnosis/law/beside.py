@@ -27,7 +27,7 @@ from doormill_ros.diagnosis.core.fit import (
 from doormill_ros.diagnosis.core.preview import Slopes
 from doormill_ros.diagnosis.core.problem import Prediction
 from doormill_ros.diagnosis.core.ranking import QUANTUM
-from doormill_ros.diagnosis.core.robust import robust_sum, trial_weights
+from doormill_ros.diagnosis.core.robust import robust_sum, same_left_out, trial_weights
 from doormill_ros.diagnosis.law.linear import Established, LinearProblem
 from doormill_ros.diagnosis.law.projection import Projection, Weighted
 
@@ -117,8 +117,11 @@ class Beside:
                     break
             theta, change, white = theta + share * move, moved - white, moved
             settled = float(weights @ self._cost(change)) < SETTLED
-            weights = trial_weights(cost, step >= PATIENT or settled, self._problem.components)
-            if settled and step >= 1:
+            before, weights = (
+                weights,
+                trial_weights(cost, step >= PATIENT or settled, self._problem.components),
+            )
+            if settled and step >= 1 and same_left_out(before, weights):
                 break
         return theta, white, weights
 

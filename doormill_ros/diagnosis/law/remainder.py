@@ -102,7 +102,7 @@ def excess(held_out: FloatArray, problem: LinearProblem) -> float:
     power, count = float(np.mean(held_out**2)), 1.0
     alone = same.copy()
     for lag in range(1, len(held_out) // 4):
-        alone = alone[:-1] & same[lag:] if lag > 1 else alone[:-1]
+        alone = alone[:-1] & same[lag - 1 : -1]
         if not alone.any():
             break
         share = float(np.mean((held_out[:-lag] * held_out[lag:])[alone])) / power

@@ -14,6 +14,7 @@ import numpy as np
 from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.diagnosis.core.beam import ENTRY, BeamSearch, may_join
 from doormill_ros.diagnosis.core.fit import Fit
+from doormill_ros.diagnosis.core.price import price_of_number
 from doormill_ros.diagnosis.core.problem import C, Problem
 from doormill_ros.diagnosis.core.ranking import QUANTUM, ranks
 from doormill_ros.diagnosis.law.beside import Beside
@@ -108,7 +109,7 @@ class LawSearch(BeamSearch[C], Generic[C]):
     @cached_property
     def _prices(self) -> FloatArray:
         """Of every candidate, its numbers included, shape (candidates,)."""
-        each = max(np.log(self.problem.components * len(self.problem)) - 2.0, 1.0)
+        each = price_of_number(self.problem.components * len(self.problem))
         return np.array([each * term.size + self._choice(term) for term in self.candidates])
 
     def order(self, found: Fit[C]) -> tuple[int, int, list[int]]:

@@ -49,6 +49,10 @@ class LoadingTests(SearchedKind[MeasurementSet, LoadingProblem, ElasticCause]):
         """All trials of all tests."""
         return LoadingProblem(join_sets(sets))
 
+    def seen_alike(self, problem: LoadingProblem, diagnosed: LoadingProblem) -> LoadingProblem:
+        """With finite joint angles where the diagnosed tests needed them."""
+        return problem.with_angles(diagnosed.finite)
+
     def name(self, one: MeasurementSet) -> str:
         """Its folder."""
         return one.path.name

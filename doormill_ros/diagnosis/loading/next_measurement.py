@@ -92,7 +92,8 @@ def plan_next(diagnosis: LoadingDiagnosis, seed: int = 0) -> NextMeasurement:
     favourite, rival, names = pair
     decided = rival.held_out_score > favourite.held_out_score + 3.0 * EQUAL
     pool, loads = possible_trials(diagnosis.problem.data, seed)
-    mine, other = _predict(pool, favourite), _predict(pool, rival)
+    finite = diagnosis.problem.finite
+    mine, other = _predict(pool, favourite, finite), _predict(pool, rival, finite)
     chosen, gains = _choose(mine, other)
     trials = []
     for i, gain in zip(chosen, gains, strict=True):
@@ -157,8 +158,8 @@ def _title(found: Fit[ElasticCause]) -> str:
     return " + ".join(map(repr, found.members)) or "no cause at all"
 
 
-def _predict(pool: Trials, found: Fit[ElasticCause]) -> _Forecast:
-    problem = LoadingProblem(pool)
+def _predict(pool: Trials, found: Fit[ElasticCause], finite: bool) -> _Forecast:
+    problem = LoadingProblem(pool, finite)
     # Patterns are tied to the times and angles of the measured trials: leave them out of a forecast.
     members = tuple(cause for cause in found.members if cause.named)
     theta = np.concatenate([np.zeros(0)] + [found.theta[found.part(cause)] for cause in members])

@@ -20,7 +20,10 @@ LOAD_NAMES = ("+x", "+y", "+z", "-x", "-y", "-z")
 
 
 def possible_trials(data: Trials, seed: int) -> tuple[Trials, FloatArray]:
-    """Postures within the tested range, six loads, two approaches, all reflectors; the load of each, shape (n,)."""
+    """Postures about the tested ones, six loads, two approaches, all reflectors; the load of each, shape (n,).
+
+    A joint is turned within its tested range, or half a radian about the middle of a smaller one.
+    """
     low, high = data.q.min(axis=0), data.q.max(axis=0)
     middle, half = (low + high) / 2.0, np.maximum((high - low) / 2.0, 0.5)
     _, first = np.unique(data.configuration, return_index=True)

@@ -100,9 +100,11 @@ class LoadingProblem:
 
     def bent(self) -> Self | None:
         """The same with finite joint angles, where these differ from first order by more than the noise."""
-        if not self.curved:
-            return None
-        return type(self)(self.data, True, self.sight, self.configuration, self.allowed)
+        return self.with_angles(True) if self.curved else None
+
+    def with_angles(self, finite: bool) -> Self:
+        """The same with finite joint angles, or to first order."""
+        return type(self)(self.data, finite, self.sight, self.configuration, self.allowed)
 
     def cuts(self) -> dict[str, BoolArray]:
         """Small and large loads, early and late, each joint's angle and torque, each reflector; shape (n,)."""

@@ -15,6 +15,7 @@ from doormill_ros.diagnosis.motion.diagnosis import ENCODERS, MotionDiagnosis, m
 from doormill_ros.diagnosis.motion.examination import JointFinding
 from doormill_ros.diagnosis.motion.laws import model_with_laws
 from doormill_ros.diagnosis.motion.model import JointFit, coefficients, stiffness_of
+from doormill_ros.diagnosis.motion.noise import mean_square_of, no_slips
 from doormill_ros.measurements.motion_set import MotionSet
 from doormill_ros.robot_model.motion.causes.joint_stiffness import MotionStiffness
 from doormill_ros.robot_model.motion.causes.time_skew import TimeSkew
@@ -41,15 +42,16 @@ def check_set(diagnosis: MotionDiagnosis, other: MotionSet) -> dict[str, Any]:
     found: Figures = {}
     described = model_with_laws(diagnosis) if any(diagnosis.laws) else None
     for motion in other.motions:
-        plain = JointModel(motion.joint, motion.stiffness).residual(motion)
+        kept = no_slips(motion)
+        plain = JointModel(motion.joint, motion.stiffness).residual(motion, kept=kept)
         model = diagnosis.model.of(motion.joint)
         found[f"joint {motion.joint}"] = {
             "baseline": _root_mean_square(plain),
-            "extended": _root_mean_square(model.residual(motion)),
-            "extended_with_offset_alone": _root_mean_square(model.residual(motion, own=False)),
+            "extended": _root_mean_square(model.residual(motion, kept=kept)),
+            "extended_with_offset_alone": _root_mean_square(model.residual(motion, own=False, kept=kept)),
         }
         if described is not None:
-            left = described.of(motion.joint).residual(motion, company=other.motions)
+            left = described.of(motion.joint).residual(motion, company=other.motions, kept=kept)
             found[f"joint {motion.joint}"]["characterised"] = _root_mean_square(left)
     entry: dict[str, Any] = {"set": other.name, "rows": len(other)}
     for name in found[f"joint {other.joints[0]}"]:
@@ -58,7 +60,7 @@ def check_set(diagnosis: MotionDiagnosis, other: MotionSet) -> dict[str, Any]:
 
 
 def _root_mean_square(errors: FloatArray) -> float:
-    return float(np.sqrt(np.mean(errors**2)))
+    return float(np.sqrt(mean_square_of(errors)))
 
 
 def named_causes(diagnosis: MotionDiagnosis) -> list[NamedCause]:

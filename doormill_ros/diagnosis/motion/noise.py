@@ -25,6 +25,11 @@ def no_slips(motion: JointMotion) -> BoolArray:
     return ~slip if slip.mean() < _GROSS_SHARE else np.ones(len(value), dtype=bool)
 
 
+def mean_square_of(errors: FloatArray) -> float:
+    """Of the samples that count, of shape (n,) [rad^2]: slips, and what lies beyond the ends, are exactly 0."""
+    return float(np.sum(errors**2)) / max(int(np.count_nonzero(errors)), 1)
+
+
 def noise_floor(
     motions: Sequence[JointMotion], noise: tuple[float | None, float | None, float | None]
 ) -> float:

@@ -12,7 +12,7 @@ import numpy as np
 from doormill_ros.arrays import BoolArray, FloatArray, IntArray
 from doormill_ros.diagnosis.core.held_out import left_out, scatter_of
 from doormill_ros.diagnosis.motion.model import JointFit, model_of, stiffness_of
-from doormill_ros.diagnosis.motion.noise import chance_of, no_slips, noise_floor
+from doormill_ros.diagnosis.motion.noise import chance_of, mean_square_of, no_slips, noise_floor
 from doormill_ros.robot_model.motion.causes.cause import MotionCause
 from doormill_ros.robot_model.motion.causes.time_skew import TimeSkew
 from doormill_ros.robot_model.motion.view import JointMotion, SeenMotion
@@ -218,7 +218,8 @@ class JointProblem:
         for i, motion in enumerate(self.motions):
             others = JointProblem(self.motions[:i] + self.motions[i + 1 :], self.noise)
             found = others.settled(members, delay)
-            total += float(np.mean(model_of(found, motion).residual(motion) ** 2))
+            left = model_of(found, motion).residual(motion, kept=no_slips(motion))
+            total += mean_square_of(left)
         return total
 
     def settled(self, members: Sequence[MotionCause], delay: float) -> JointFit:
@@ -268,8 +269,7 @@ class JointProblem:
 
     def rmse(self, errors: FloatArray) -> float:
         """Root mean square of the samples that count, of shape (n,) [rad]."""
-        # What lies beyond the ends of a recording is exactly 0.
-        return float(np.sqrt(self.cost(errors) / max(int(np.count_nonzero(errors[self.kept])), 1)))
+        return float(np.sqrt(mean_square_of(np.where(self.kept, errors, 0.0))))
 
     def unit(self, errors: FloatArray, shape: FloatArray) -> float:
         """Squared error that chance gives a shape, at least the noise's square.

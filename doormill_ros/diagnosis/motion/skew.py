@@ -54,9 +54,12 @@ def common_skew(
             if abs(value - centre) <= max(_ALIKE * float(np.hypot(std, spread)), _SHARE * abs(centre))
         ]
         weight = np.array([1.0 / max(skews[index][1], 1e-9) ** 2 for index in agree])
-        mean = float(weight @ np.array([skews[index][0] for index in agree]) / weight.sum())
+        told = np.array([skews[index][0] for index in agree])
+        mean = float(weight @ told / weight.sum())
         if (len(agree), mean) > (len(best[2]), best[0]):
-            best = (mean, float(weight.sum() ** -0.5), agree)
+            # Joints that agree by less than they say know it that much less (Birge, Phys. Rev. 40 (1932) 207).
+            apart = float(weight @ (told - mean) ** 2) / max(len(agree) - 1, 1)
+            best = (mean, float(np.sqrt(max(1.0, apart) / weight.sum())), agree)
     mean, std, agree = best
     for value, spread in silent.values():
         if abs(value - mean) > _ALIKE * float(np.hypot(std, spread)):

@@ -13,6 +13,7 @@ from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.diagnosis.core.beam import ENTRY
 from doormill_ros.diagnosis.core.course import CHANGES
 from doormill_ros.diagnosis.core.gain import gain_of
+from doormill_ros.diagnosis.core.price import price_of_number
 from doormill_ros.diagnosis.parts.course import InTime
 from doormill_ros.diagnosis.parts.problem import DOORS_OVER_TIME, DoorProblem
 from doormill_ros.statistics import NORMAL_STD
@@ -52,7 +53,7 @@ class _Look:
         limit = 6.0 * max(1.0, float(np.median(np.abs(left))) * NORMAL_STD)
         self._left = np.clip(left, -limit, limit)
         self._basis = np.zeros((len(problem), 0))
-        self._price = max(np.log(len(problem)) - 2.0, 1.0)
+        self._price = price_of_number(len(problem))
 
     def join_best(self) -> int | None:
         """Let the best effect with the best course join: the door of its step, 0 for none; None if nothing gains."""

@@ -185,7 +185,9 @@ class PoseDiagnosis(Judgement[PoseCause, SeriesFit]):
     def rejected(self) -> list[Score]:
         """Scores of the others; what was taken back after it had helped has the reason of that."""
         taken_back = {id(cause): why for cause, why in self.examination.refused}
-        scores = [self.question.scores[id(cause)] for cause in self.question.gone]
+        # One that left while something else was tried may be back.
+        gone = [cause for cause in self.question.gone if cause not in self.examination.named]
+        scores = [self.question.scores[id(cause)] for cause in gone]
         return [replace(one, status=taken_back.get(id(one.cause), one.status)) for one in scores]
 
     @property

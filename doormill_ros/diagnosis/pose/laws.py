@@ -12,6 +12,7 @@ from doormill_ros.diagnosis.core.beam import ENTRY
 from doormill_ros.diagnosis.core.characterised import Characterised
 from doormill_ros.diagnosis.core.fit import Fit, fit
 from doormill_ros.diagnosis.core.judgement import less
+from doormill_ros.diagnosis.core.price import price_of_number
 from doormill_ros.diagnosis.core.ranking import ranks
 from doormill_ros.diagnosis.core.verdict import AT_NOISE, rmse
 from doormill_ros.diagnosis.law.characterise import remains
@@ -152,7 +153,7 @@ def _needless(diagnosis: PoseDiagnosis, found: Characterised[PoseTerm]) -> list[
     def asked(without: Sequence[PoseCause]) -> tuple[float, float]:
         """Score and held-out error less some causes."""
         problem, base = _remainder(diagnosis, without)
-        each = max(np.log(problem.components * len(problem)) - 2.0, 1.0)
+        each = price_of_number(problem.components * len(problem))
         less = fit(problem, (base, *terms))
         left = rmse(less.held_out, np.ones(len(problem), dtype=bool), problem.components)
         return float(less.held_out_score + each * base.size), left

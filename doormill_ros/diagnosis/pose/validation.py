@@ -60,8 +60,9 @@ class Validation:
         return learn(H, g, self.fitted.problem.layout, ROUNDS, self.fitted.solution.variance)
 
     def less(self, ids: IntArray) -> Validation:
-        """The same with coefficients, shape (k,), held at zero."""
+        """The same with coefficients, shape (k,), held at zero; what all causes together leave stays that."""
         smaller = copy(self)
+        smaller.left = self.left
         smaller.blocks = [replace(split, solution=without(split.solution, ids)) for split in self.blocks]
         smaller.series = [replace(split, solution=without(split.solution, ids)) for split in self.series]
         return smaller

@@ -21,6 +21,7 @@ REPEATS = 2  #: pictures of a door from which their scatter is told
 #: Smallest scatter from run to run that is believed: of places [m, m, rad], and of logarithms.
 _LEAST_PLACE = np.array([1e-6, 1e-6, 1e-6])
 _LEAST_SHARE, _LEAST_OF_MILLING = 0.05, 2e-3
+_LEAST_TIME = 1e-3  #: of a cycle, for its logarithm [s]
 _OF_MEDIAN = np.pi / 2.0  #: variance of a median, in that of a mean
 
 
@@ -60,7 +61,7 @@ class Channel:
 def channels_of(runs: Sequence[UngaugedRun], fewest: int) -> list[Channel]:
     """Every channel that at least `fewest` runs tell."""
     width = np.array([run.width for run in runs])
-    logarithm = np.log(np.array([max(run.cycle_time, 1e-3) for run in runs]))
+    logarithm = np.log(np.array([max(run.cycle_time, _LEAST_TIME) for run in runs]))
     predicted = np.where(np.isfinite(logarithm), logarithm, 0.0)
     usual, none = _usual_scatter(runs), np.zeros((len(runs), len(AXES)))
     found: list[Channel] = []
@@ -89,7 +90,9 @@ def channels_of(runs: Sequence[UngaugedRun], fewest: int) -> list[Channel]:
     places(MARKS, lambda run: np.full(3, np.nan) if run.marks is None else run.marks, np.full(3, np.nan))
     logarithms(RESIDUAL, _residual, width)
     logarithms(SCATTER, lambda run: _scatter(run, usual), width, _scatter_of_scatter(runs))
-    logarithms(MILLING, lambda run: run.milling / run.cycle_time, predicted, _LEAST_OF_MILLING)
+    logarithms(
+        MILLING, lambda run: run.milling / max(run.cycle_time, _LEAST_TIME), predicted, _LEAST_OF_MILLING
+    )
     logarithms(ANSWER, lambda run: run.answer, predicted)
     logarithms(LINK, lambda run: run.link, predicted)
     logarithms(SPINDLE, lambda run: run.work, predicted)

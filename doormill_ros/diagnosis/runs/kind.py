@@ -15,7 +15,7 @@ from doormill_ros.diagnosis.core.kind import Progress, SearchedKind
 from doormill_ros.diagnosis.core.wording import Words
 from doormill_ros.diagnosis.runs.channels import Channel, channels_of
 from doormill_ros.diagnosis.runs.latest_runs import LeftBag, latest_runs
-from doormill_ros.diagnosis.runs.limits import FEWEST, MOST
+from doormill_ros.diagnosis.runs.limits import FEWEST, MOST, fewest
 from doormill_ros.diagnosis.runs.problem import RunChange, RunDiagnosis, RunProblem
 from doormill_ros.diagnosis.runs.steps import possible_steps
 from doormill_ros.diagnosis.runs.ungauged_run import UngaugedRun, ungauged_runs
@@ -78,7 +78,7 @@ class Runs(SearchedKind[RunSeries, RunProblem, RunChange]):
         else:
             latest = latest_runs(folder, self._last, self._since)
             runs, left_aside = list(latest.runs), latest.left
-        if len(runs) < 2 or not channels_of(runs, 2):
+        if len(runs) < 2 or not channels_of(runs, fewest(len(runs))):
             raise UnreadableBagError(
                 f"the bags in {folder} hold {len(runs)} runs, allowed are 2 or more that tell the same: a pose, a "
                 "reading or a time; give a folder with bags of more runs",

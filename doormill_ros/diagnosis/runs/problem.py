@@ -14,10 +14,11 @@ from doormill_ros.diagnosis.core.course import BEGINS, GROWS, OverTime, SizeCour
 from doormill_ros.diagnosis.core.diagnosis import Diagnosis
 from doormill_ros.diagnosis.core.nuisance import Nuisance
 from doormill_ros.diagnosis.core.problem import Examined, Prediction, make_folds
+from doormill_ros.diagnosis.core.times import growing
 from doormill_ros.diagnosis.core.wording import Unit
 from doormill_ros.diagnosis.runs.causes import RowCase, RunEffect, effects_of
 from doormill_ros.diagnosis.runs.channels import CAMERA, MARKS, Channel, channels_of
-from doormill_ros.diagnosis.runs.limits import FEWEST
+from doormill_ros.diagnosis.runs.limits import FEWEST, fewest
 from doormill_ros.diagnosis.runs.scatter import scatters, strays
 from doormill_ros.diagnosis.runs.ungauged_run import UngaugedRun
 
@@ -45,11 +46,14 @@ class RunProblem(Examined[RunChange]):
 
     def __init__(self, runs: Sequence[UngaugedRun]) -> None:
         """Weigh every channel by how far it scatters from run to run."""
-        self.doors = list(runs)
+        self.doors = [
+            replace(run, time=time)
+            for run, time in zip(runs, growing([run.time for run in runs]), strict=True)
+        ]
         recipes = [run.recipe for run in runs]
         self.channels: list[Channel] = []
         self.strays: list[tuple[int, str]] = []
-        for one in channels_of(runs, min(FEWEST, len(runs))):
+        for one in channels_of(runs, fewest(len(runs))):
             far = strays(one.values, recipes, one.least)
             self.strays += [(int(run), one.name) for run in np.flatnonzero(far)]
             self.channels.append(replace(one, values=np.where(far, np.nan, one.values)))
@@ -60,7 +64,7 @@ class RunProblem(Examined[RunChange]):
         values = np.concatenate(
             [np.zeros(0)] + [one.values[rows] for one, rows in zip(self.channels, told, strict=True)]
         )
-        time = np.array([run.time for run in runs])[self.configuration]
+        time = np.array([run.time for run in self.doors])[self.configuration]
         self._case = RowCase(self.channels, channel, time)
         self.folds = make_folds(self.configuration)
         self.steps: tuple[int, ...] = ()

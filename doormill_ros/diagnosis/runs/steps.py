@@ -6,6 +6,7 @@ import numpy as np
 
 from doormill_ros.diagnosis.core.beam import ENTRY
 from doormill_ros.diagnosis.core.gain import gain_of
+from doormill_ros.diagnosis.core.price import price_of_number
 from doormill_ros.diagnosis.runs.limits import FEWEST
 from doormill_ros.diagnosis.runs.problem import RunProblem
 
@@ -25,7 +26,7 @@ def possible_steps(problem: RunProblem) -> tuple[int, ...]:
         for change in problem.changed_at(tuple(range(_ENDS, count - _ENDS + 1))).candidates()
     ]
     left = np.clip(problem.predict((), np.zeros(0)).white[:, 0], -_STRAYS, _STRAYS)
-    each = max(np.log(len(problem)) - 2.0, 1.0)
+    each = price_of_number(len(problem))
     found: list[int] = []
     for _ in range(MOST):
         gains = [gain_of(block, left) - each * block.shape[1] for _, block in columns]

@@ -11,6 +11,8 @@ from doormill_ros.frames import cross, rotate_wrench, rotation_z
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot_model.elastic.circumstances import NOTHING_KNOWN, Circumstances
 
+LEAST_TORQUE = 1e-9  #: a joint that carries less carries nothing [N m]
+
 
 @dataclass(frozen=True, eq=False)
 class LoadCase:
@@ -115,6 +117,12 @@ class LoadCase:
         return self.cache["curvature"]
 
 
+def largest_of(torque: FloatArray) -> FloatArray:
+    """Largest torque of each joint, shapes (n, 6) -> (6,) [N m]; never 0, for laws are told in shares of it."""
+    largest: FloatArray = np.maximum(np.abs(torque).max(axis=0), LEAST_TORQUE)
+    return largest
+
+
 def build_load_case(
     kinematics: Kinematics,
     q: FloatArray,
@@ -179,7 +187,7 @@ def build_load_case(
         direction=np.zeros((n, 6)) if direction is None else np.asarray(direction, dtype=float),
         joint_stiffness=np.asarray(joint_stiffness, dtype=float),
         torque_noise=torque_noise,
-        largest_torque=np.abs(torque).max(axis=0) if largest_torque is None else largest_torque,
+        largest_torque=largest_of(torque) if largest_torque is None else largest_torque,
         q=q,
         load=load,
         sensor=sensor,

@@ -42,16 +42,22 @@ class JointModel:
     laws: tuple[tuple[MotionTerm, FloatArray], ...] = ()
 
     def residual(
-        self, motion: JointMotion, own: bool = True, company: Sequence[JointMotion] = ()
+        self,
+        motion: JointMotion,
+        own: bool = True,
+        company: Sequence[JointMotion] = (),
+        kept: BoolArray | None = None,
     ) -> FloatArray:
         """Measured less predicted link minus motor angle of a recording, shape (n,) [rad]; 0 beyond its ends.
 
-        Laws act on what was recorded of the other joints in `company`, with their means where that is missing.
+        Laws act on what was recorded of the other joints in `company`, with their means where that is missing. Samples
+        that are not `kept`, shape (n,), decide on no constant and are left at 0.
 
         The recording's own constants are fitted to it: its offset and, with `own`, where bristles and teeth lay when it
         began and the phase of a scale without an index.
         """
         seen = motion.seen(self.delay)
+        rows = seen.recorded if kept is None else seen.recorded & kept
         left = motion.link - motion.motor - seen.predicted
         for cause, x in zip(self.causes, self.x, strict=True):
             columns = cause.columns(seen)
@@ -62,8 +68,8 @@ class JointModel:
         if own:
             for cause, x in zip(self.causes, self.x, strict=True):
                 columns = cause.own_columns(seen)
-                left = left - _own_part(left, columns, seen.recorded, float(np.abs(x[0])), not cause.phased)
-        return np.where(seen.recorded, left - left[seen.recorded].mean(), 0.0)
+                left = left - _own_part(left, columns, rows, float(np.abs(x[0])), not cause.phased)
+        return np.where(rows, left - left[rows].mean(), 0.0)
 
 
 def _own_part(

@@ -45,7 +45,7 @@ class ElasticCause(Candidate[LoadCase]):
     def kinks(self, case: LoadCase) -> FloatArray:
         """Of a torque limit, as a share of the largest torque of the joint: they lie at the torques of the trials."""
         k = index(self.where)
-        share: FloatArray = np.abs(case.torque[:, k]) / max(case.largest_torque[k], 1e-9)
+        share: FloatArray = np.abs(case.torque[:, k]) / case.largest_torque[k]
         return share
 
     def setup(self, setup: Setup, theta: FloatArray) -> None:

@@ -63,7 +63,7 @@ class DisplacementBacklash(ElasticCause):
         direction, torque = case.direction[:, k], case.torque[:, k]
         # Near zero the size of a torque is mostly that of its noise.
         size = np.sqrt(np.maximum(torque**2 - case.torque_noise[:, k] ** 2, 0.0))
-        share = size / max(case.largest_torque[k], 1e-9)
+        share = size / case.largest_torque[k]
         full = share >= theta[1]
         ramp = np.where(full, 1.0, share / max(theta[1], 1e-12))
         slope = np.where(full, 0.0, -share / max(theta[1], 1e-12) ** 2)

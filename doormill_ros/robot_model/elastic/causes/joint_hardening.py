@@ -33,7 +33,7 @@ class JointHardening(ElasticCause):
 
     def _parts(self, case: LoadCase, theta: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         k = index(self.where)
-        share = np.abs(case.torque[:, k]) / max(case.largest_torque[k], 1e-9)
+        share = np.abs(case.torque[:, k]) / case.largest_torque[k]
         give = (case.torque[:, k] / case.joint_stiffness[k])[:, None] * case.joint_twist(k)
         return give, share, 1.0 + theta[1] * share
 

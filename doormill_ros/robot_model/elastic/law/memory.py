@@ -86,7 +86,7 @@ FRICTIONS = {one.driver: one for spread in (False, True) for one in (Friction(x,
 
 def tried(case: LoadCase, joint: int) -> list[Friction]:
     """Those that loadings of a joint (0 ... 5) may tell."""
-    share = np.array(_LIMITS[::_ROUGH]) / max(float(case.largest_torque[joint]), 1e-9)
+    share = np.array(_LIMITS[::_ROUGH]) / case.largest_torque[joint]
     limits = [limit for limit, part in zip(_LIMITS[::_ROUGH], share, strict=True) if _LEAST <= part <= _MOST]
     return [Friction(limit, spread) for spread in (False, True) for limit in limits]
 

@@ -1,0 +1,49 @@
+"""A fit ends where its own weights want it, and a number pays for what it cannot leave out."""
+
+import numpy as np
+import pytest
+
+from doormill_ros.diagnosis.core.beam import BeamSearch
+from doormill_ros.diagnosis.core.fit import bounds, fit, normal_equations
+from doormill_ros.diagnosis.core.price import LEFT_OUT, price_of_number
+from doormill_ros.diagnosis.loading.kind import LoadingTests
+from doormill_ros.measurements.measurement_set import read_measurement_set
+from support.source_tree import ROOT
+
+EXAMPLE = ROOT / "docs" / "diagnosis_example"
+
+
+@pytest.fixture(scope="module")
+def problem():
+    """A test with gross errors among its trials."""
+    return LoadingTests().problem([read_measurement_set(EXAMPLE)])
+
+
+def smooth(problem):
+    """Causes alone that are smooth and linear in what they do."""
+    return [cause for cause in problem.candidates() if not cause.kinked and cause.name.endswith("stiffness")]
+
+
+def test_gross_errors_do_not_steer_a_fit(problem):
+    asked = 0
+    for cause in smooth(problem):
+        found = fit(problem, (cause,))
+        lower, upper = bounds((cause,))
+        if np.any((found.theta <= lower) | (found.theta >= upper)) or np.all(found.weights > 0.0):
+            continue
+        hessian, descent = normal_equations(found.prediction, found.weights)
+        step = np.linalg.solve(hessian, descent)
+        # In its own standard deviations, with the rows that it says were set aside.
+        assert np.sqrt(step @ hessian @ step) < 0.02, cause
+        asked += 1
+    assert asked >= 5
+
+
+def test_a_number_that_stays_where_rows_are_left_out_pays_for_that(problem):
+    search = BeamSearch(problem, problem.candidates(), lambda line: None)
+    friction = next(cause for cause in problem.candidates() if cause.name == "joint_friction")
+    stiffness = next(cause for cause in problem.candidates() if cause.name == "joint_stiffness")
+    price = price_of_number(problem.components * len(problem))
+    for cause, more in ((friction, LEFT_OUT), (stiffness, 0.0)):
+        found = search.fit((cause,))
+        assert search.total(found) == pytest.approx(found.held_out_score + price + more)
