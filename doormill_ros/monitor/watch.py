@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import re
 import threading
 from collections import deque
 from collections.abc import Callable
@@ -13,6 +12,7 @@ from doormill_ros.errors import DoormillError, unexpected
 from doormill_ros.measurements.inspection import DESCRIPTION, inspections_in
 from doormill_ros.models.record import StoreRecord
 from doormill_ros.models.store import ModelStore
+from doormill_ros.monitor.complaint import complained_of
 from doormill_ros.monitor.door_question import DoorQuestion, checksum
 from doormill_ros.monitor.errors import KeepingError, QuestionError, UnknownRunError
 from doormill_ros.monitor.finding import UNKNOWN, DoorFinding, finding_of
@@ -260,12 +260,7 @@ class ModelWatch:
 
     def _blame(self, verdict: DiagnosisAnswer) -> None:
         """Set the door aside of which the diagnosis complains, and ask about the others."""
-        # Of each run asked a folder has its name, and the complaint names a file in it, or the folder.
-        spoiled = [
-            run_id
-            for run_id in verdict.asked["runs"]
-            if re.search(rf"/{re.escape(run_id)}(?=[/:,;\s]|$)", verdict.failure)
-        ]
+        spoiled = complained_of(verdict.asked["runs"], verdict.failure)
         if not spoiled:
             self._trouble = QuestionError(verdict.failure)
             return

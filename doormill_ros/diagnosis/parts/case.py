@@ -28,6 +28,7 @@ class CutCase:
         late: How far beside it the tool passes that follows late by each of `LAGS`, base axes, shape (n, lags, 3) [m].
         feed: Speed of the tool there, shape (n,) [m / s].
         time: When the door of each point was milled [s since the epoch], shape (n,).
+        height: Of each above the lower edge of its door, shape (n,) [m].
         eye: Where the camera stood that saw the door of each point, base frame, shape (n, 3) [m].
         tip: The tool's tip, flange frame, shape (3,) [m].
         unloaded: Columns that were asked for and that no load changes, of the same points under whatever loads.
@@ -42,6 +43,7 @@ class CutCase:
     late: FloatArray
     feed: FloatArray
     time: FloatArray
+    height: FloatArray
     eye: FloatArray
     tip: FloatArray
     unloaded: dict[object, FloatArray] = field(default_factory=dict)

@@ -100,6 +100,7 @@ class DoorProblem(Examined[InTime]):
             late=self.points.late,
             feed=self.points.feed,
             time=self._of_door([door.time for door in self.doors]),
+            height=self.points.point[:, 2] - self._of_door([door.T_base_door[2, 3] for door in self.doors]),
             eye=self._of_door([door.eye for door in self.doors]),
             tip=T_flange_tool[:3, 3],
         )

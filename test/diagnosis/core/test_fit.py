@@ -1,5 +1,7 @@
 """A fit ends where its own weights want it, and a number pays for what it cannot leave out."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -47,3 +49,19 @@ def test_a_number_that_stays_where_rows_are_left_out_pays_for_that(problem):
     for cause, more in ((friction, LEFT_OUT), (stiffness, 0.0)):
         found = search.fit((cause,))
         assert search.total(found) == pytest.approx(found.held_out_score + price + more)
+
+
+@pytest.mark.parametrize("finite", [False, True])
+def test_a_check_predicts_as_the_diagnosed_test_was_predicted(problem, finite):
+    read = read_measurement_set(EXAMPLE)
+    own = problem.with_angles(finite)
+    found = fit(own, ())
+    diagnosis = SimpleNamespace(problem=own, extended=found, characterised=None)
+    checked = LoadingTests().check(diagnosis, read)
+    left = found.prediction.residual
+    assert checked["baseline"]["rmse"] == pytest.approx(np.sqrt(np.mean(left**2)), rel=1e-9)
+
+
+def test_finite_angles_make_a_difference_that_a_check_can_miss(problem):
+    to_first_order, finite = (fit(problem.with_angles(way), ()).prediction.residual for way in (False, True))
+    assert np.abs(to_first_order - finite).max() > 1e-9

@@ -9,6 +9,7 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.loading.patterns import unnamed_patterns
 from doormill_ros.diagnosis.parts.case import TOOL
+from doormill_ros.diagnosis.parts.effects.door import YieldingDoor
 from doormill_ros.diagnosis.parts.effects.effect import Effect
 from doormill_ros.diagnosis.parts.effects.elastic import ElasticEffect, Gap, MillBending
 from doormill_ros.diagnosis.parts.effects.force import ForceScale, ForceTurn
@@ -78,6 +79,7 @@ def effects(
         *(ServoLag(lag) for lag in LAGS),
         *(LinkOffsets(where) for where in (LINKS if places >= PLACES_OF_LINKS else ())),
         Tilt(),
+        YieldingDoor(),
         Place(),
         *(ElasticEffect(shape) for shape in shapes if shape.name in _SHAPES),
     ]
