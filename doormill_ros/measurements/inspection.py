@@ -6,6 +6,7 @@ and its unit normal into the wood in the door frame, and how far the real surfac
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -91,8 +92,17 @@ class Inspection:
         return self.table.fail(row, column, problem)
 
 
-def read_inspection(folder: Path) -> Inspection:
+def nowhere(run_id: str) -> Path | None:
+    """Where the bag of a run lies, for who knows of none."""
+    return None
+
+
+def read_inspection(folder: Path, bag_of: Callable[[str], Path | None] = nowhere) -> Inspection:
     """Read one inspection.
+
+    Args:
+        folder: That holds it.
+        bag_of: Where the bag of a run lies whose inspection names none that is there.
 
     Raises:
         DataSetError: A file is missing, or a value cannot be used; the message names file, line and column.
@@ -103,9 +113,7 @@ def read_inspection(folder: Path) -> Inspection:
             raise document.fail((str(key),), f"is unknown, allowed are {', '.join(KEYS)}")
     if document.get("schema") != SCHEMA:
         raise document.fail(("schema",), f"is {document.get('schema')!r}, allowed is {SCHEMA}")
-    bag = document.get("bag")
-    if not isinstance(bag, str) or not (folder / bag).is_dir():
-        raise document.fail(("bag",), f"is {bag!r}, allowed is the folder of a bag, relative to this one")
+    run_id, bag = str(document.get("run_id")), _bag(document, folder, bag_of)
     datum = document.get("datum")
     if not isinstance(datum, str) or (datum not in (CAMERA, PART) and not datum.startswith(FEATURE)):
         raise document.fail(("datum",), f"is {datum!r}, allowed are camera, part and feature NAME")
@@ -130,8 +138,8 @@ def read_inspection(folder: Path) -> Inspection:
         raise table.fail(int(wrong), "nx", f"the normal has length {length[wrong]:.4f}, allowed is 1")
     return Inspection(
         path=folder,
-        run_id=str(document.get("run_id")),
-        bag=folder / bag,
+        run_id=run_id,
+        bag=bag,
         measured_at=measured_at,
         noise=noise,
         datum=datum,
@@ -143,6 +151,21 @@ def read_inspection(folder: Path) -> Inspection:
         document=document,
         table=table,
     )
+
+
+def _bag(document: SetDocument, folder: Path, bag_of: Callable[[str], Path | None]) -> Path:
+    """The folder that is named, else the one that is known of the run."""
+    named, run_id = document.data.get("bag"), str(document.get("run_id"))
+    if isinstance(named, str) and (folder / named).is_dir():
+        return folder / named
+    found = bag_of(run_id) if named is None or isinstance(named, str) else None
+    if found is None:
+        raise document.fail(
+            ("bag",),
+            f"is {'missing' if named is None else repr(named)}, and no bag of run {run_id!r} is known to the "
+            "catalogue; name the folder of its bag, relative to this one",
+        )
+    return found
 
 
 def _point(table: TrialTable) -> FloatArray:
@@ -179,15 +202,19 @@ def _time(value: object) -> datetime | None:
     return time if time.year in YEARS else None
 
 
-def inspections_in(folder: Path) -> list[Inspection]:
+def inspections_in(folder: Path, bag_of: Callable[[str], Path | None] = nowhere) -> list[Inspection]:
     """The inspection that a folder is, or those in its folders or in `inspection` there, in the order of their names.
+
+    Args:
+        folder: To look in.
+        bag_of: As of `read_inspection`.
 
     Raises:
         DataSetError: There is none, or one cannot be read.
     """
     if (folder / DESCRIPTION).is_file():
-        return [read_inspection(folder)]
+        return [read_inspection(folder, bag_of)]
     patterns = (f"*/{DESCRIPTION}", f"*/{BESIDE_BAG}/{DESCRIPTION}")
     within = sorted(path.parent for pattern in patterns for path in folder.glob(pattern))
     # Of a folder without any the complaint is that its own description is missing.
-    return [read_inspection(path) for path in within or [folder]]
+    return [read_inspection(path, bag_of) for path in within or [folder]]

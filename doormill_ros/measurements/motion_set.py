@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,10 +16,13 @@ from doormill_ros.measurements.si_units import JOINT_ANGLE, check_cells
 from doormill_ros.measurements.trial_table import TrialTable
 from doormill_ros.robot_model.motion.quiet_torque import quiet_torque
 from doormill_ros.robot_model.motion.view import JointMotion
+from doormill_ros.units import DEG
 
 SCHEMA = "doormill/motion-set/1"
 #: Numbers of joints that a robot may have.
 JOINTS = (6, 7)
+STANDS = 1e-6  #: range of a joint that stands, at most [rad]
+SLOPE = 0.1  #: by which a degree for a radian may be off and still be that
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,6 +91,7 @@ def read_motion_set(folder: Path) -> MotionSet:
     angles = [name for name in own if not name.startswith("tau")]
     check_cells(table, angles, np.column_stack([values[name] for name in angles]), JOINT_ANGLE)
     check_cells(table, commanded, commanded_angles, JOINT_ANGLE)
+    _check_motion(table, joints, values, commanded_angles)
     for array in (time, *values.values()):
         array.setflags(write=False)
     return MotionSet(
@@ -114,6 +119,23 @@ def read_motion_set(folder: Path) -> MotionSet:
         motor_inertia=inertia,
         noise=_noise(document),
     )
+
+
+def _check_motion(
+    table: TrialTable, joints: Sequence[int], values: Mapping[str, FloatArray], commanded: FloatArray
+) -> None:
+    """Refuse a recording in which nothing moves, and encoders that tell degrees of what was commanded in radians."""
+    if not any(np.ptp(values[f"m{joint}"]) > STANDS for joint in joints):
+        raise table.fail(0, f"m{joints[0]}", "is as in all rows, as is every joint: record joints that move")
+    for name, joint in ((f"{kind}{joint}", joint) for kind in "ml" for joint in joints):
+        sent = commanded[:, joint - 1] - commanded[:, joint - 1].mean()
+        slope = float(sent @ values[name]) / max(float(sent @ sent), 1e-30)
+        if abs(slope * DEG - 1.0) < SLOPE:
+            raise table.fail(
+                0,
+                name,
+                f"changes by {slope:.1f} where r{joint} changes by 1 rad: are these degrees? write radians",
+            )
 
 
 def check_same_joints(first: MotionSet, other: MotionSet) -> None:

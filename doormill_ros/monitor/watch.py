@@ -8,6 +8,7 @@ from collections import deque
 from collections.abc import Callable
 from pathlib import Path
 
+from doormill_ros.catalogue.known_bags import known_bag
 from doormill_ros.errors import DoormillError, unexpected
 from doormill_ros.measurements.inspection import DESCRIPTION, inspections_in
 from doormill_ros.models.record import StoreRecord
@@ -136,7 +137,7 @@ class ModelWatch:
             UnknownRunError: No bag holds the run of one of them; the others are kept, and it waits.
             KeepingError: One cannot be written; those before it are kept.
         """
-        inspections = inspections_in(path.parent if path.name == DESCRIPTION else path)
+        inspections = inspections_in(path.parent if path.name == DESCRIPTION else path, known_bag)
         handed = [(points_of(inspection), inspection.bag) for inspection in inspections]
         for points, _ in handed:
             rehearse(points)

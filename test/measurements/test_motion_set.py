@@ -169,3 +169,35 @@ def test_what_cannot_be_used_is_refused_in_one_sentence(folder, change, code, to
     assert raised.value.code == code
     assert told in raised.value.message
     assert "\n" not in raised.value.message
+
+
+def changed(folder, column_of):
+    """The samples of a folder with some columns as a function of their values says."""
+    table = folder / "samples.csv"
+    head, *rows = [line.split(",") for line in table.read_text().splitlines()]
+    for row in rows:
+        for at, name in enumerate(head):
+            row[at] = column_of(name, row[at], rows[0][at])
+    table.write_text("\n".join(",".join(row) for row in [head, *rows]) + "\n")
+    return folder
+
+
+def test_a_recording_in_which_nothing_moves_is_refused(folder):
+    still = changed(folder, lambda name, value, first: value if name == "t" else first)
+    with pytest.raises(DataSetError, match="line 2, column m1: is as in all rows, as is every joint"):
+        read_motion_set(still)
+
+
+@pytest.mark.parametrize("kind", "ml")
+def test_small_degrees_are_told_from_radians_by_what_was_commanded(tmp_path, kind):
+    folder, by = record(tmp_path / "long", Recording(seconds=20.0), seed=1), {f"{kind}2": 180.0 / np.pi}
+    changed(folder, lambda name, value, first: repr(by.get(name, 1.0) * float(value)))
+    with pytest.raises(DataSetError, match=f"column {kind}2: changes by 5.\\.\\d where r2 .* write radians"):
+        read_motion_set(folder)
+
+
+def test_a_joint_that_stands_beside_others_that_move_is_at_the_noise(folder):
+    stands = ("m1", "l1", "tau1", "r1")
+    data = read_motion_set(changed(folder, lambda name, value, first: first if name in stands else value))
+    found = Motions().diagnose([data], lambda line: None)
+    assert found.verdict in ("consistent", "explained", "partly_explained", "unexplained")

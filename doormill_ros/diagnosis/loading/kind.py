@@ -14,7 +14,7 @@ from doormill_ros.diagnosis.loading.evidence import evidence, next_trials_table
 from doormill_ros.diagnosis.loading.laws import law_sections, sized_laws, with_laws
 from doormill_ros.diagnosis.loading.next_measurement import NextMeasurement, plan_next
 from doormill_ros.diagnosis.loading.path_shift import doubt, path_shift
-from doormill_ros.diagnosis.loading.problem import LoadingDiagnosis, LoadingProblem
+from doormill_ros.diagnosis.loading.problem import FEWEST, LoadingDiagnosis, LoadingProblem
 from doormill_ros.measurements.join_sets import check_same_model, join_sets
 from doormill_ros.measurements.measurement_set import MeasurementSet, read_measurement_set
 from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
@@ -59,7 +59,11 @@ class LoadingTests(SearchedKind[MeasurementSet, LoadingProblem, ElasticCause]):
 
     def diagnose(self, sets: Sequence[MeasurementSet], progress: Progress) -> LoadingDiagnosis:
         """With laws for what no cause names."""
-        return with_laws(super().diagnose(sets, progress), progress)
+        found = super().diagnose(sets, progress)
+        if (count := len(found.problem)) < FEWEST:
+            few = f"No cause is named of fewer than {FEWEST} trials, and there are {count}."
+            return replace(found, remarks=(*found.remarks, few))
+        return with_laws(found, progress)
 
     def account(
         self,

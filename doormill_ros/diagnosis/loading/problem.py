@@ -37,6 +37,8 @@ from doormill_ros.robot_model.elastic.load_case import LoadCase, build_load_case
 
 #: Difference between first-order and finite joint angles, in noise floors, from which both are tried.
 CURVED = 0.3
+#: Trials from which on a cause may be named: some number of the library fits the components of any fewer.
+FEWEST = 6
 
 
 class LoadingProblem:
@@ -87,8 +89,10 @@ class LoadingProblem:
         return len(self.data)
 
     def candidates(self) -> list[ElasticCause]:
-        """Every cause at every place where it can act, and the patterns without a name."""
+        """Every cause at every place where it can act, and the patterns without a name; none for too few trials."""
         data = self.data
+        if len(data) < FEWEST:
+            return []
         library = candidates(dict.fromkeys(data.reflector.tolist()))
         patterns = unnamed_patterns(data.q, data.time, data.temperature, data.dt)
         return [*(cause for cause in library if self.allowed(cause)), *patterns]

@@ -83,6 +83,8 @@ def _readings(problem: JointProblem, order: float, width: float) -> Sequence[Mot
 def _refined(problem: JointProblem, found: JointFit, peak: float, width: float) -> float:
     """The order near a peak that the data like best, each recording with a phase of its own."""
     tried = np.arange(np.ceil(peak - 0.5 * width), peak + 0.5 * width + 1e-9, _FINER)
+    if not len(tried):
+        return peak
     falls: list[float] = []
     for order in tried:
         fall = 0.0

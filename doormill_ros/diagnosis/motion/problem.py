@@ -24,6 +24,7 @@ SAMPLES = 3000  #: that laws are searched in, at most
 _RIDGE = 1e-10  #: share of a column's own square
 _FOLD_RIDGE = 1e-7  #: the same where a part of the rows is left out
 _SETTLED = 1e-7  #: s
+FINEST = 1e-9  #: difference of two encoders that is noise whatever was read [rad]
 _BEYOND = 1.5  #: how far outside its ends a state at the start may be fitted
 
 
@@ -100,7 +101,7 @@ class JointProblem:
     @cached_property
     def floor(self) -> float:
         """Noise of the difference between encoders and spring [rad]."""
-        return noise_floor(self.motions, self.noise)
+        return max(noise_floor(self.motions, self.noise), FINEST)
 
     def columns_of(self, cause: MotionCause, delay: float) -> tuple[list[FloatArray], list[FloatArray]]:
         """Shared and own columns of a cause in each recording, shapes (n, p)."""

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from doormill_ros.catalogue.known_bags import known_bag
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.diagnosis.core.account import Account, account_of
 from doormill_ros.diagnosis.core.changes import (
@@ -95,7 +96,7 @@ class Inspections(SearchedKind[InspectedDoor, DoorProblem, InTime]):
             BagError: A bag cannot be read.
         """
         found = []
-        for inspection in inspections_in(folder):
+        for inspection in inspections_in(folder, known_bag):
             progress(f"matching {inspection.name} with the run that milled it")
             found.append(inspected_door(inspection, recorded_cut(inspection)))
         return found

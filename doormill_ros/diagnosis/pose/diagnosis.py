@@ -14,14 +14,14 @@ from doormill_ros.diagnosis.core.examination import Examination
 from doormill_ros.diagnosis.core.judgement import Judgement, Question, judge_question
 from doormill_ros.diagnosis.core.verdict import MAIN_PART
 from doormill_ros.diagnosis.pose.examination import PoseExaminer
-from doormill_ros.diagnosis.pose.fit import BLOCKS, deviation, fit_causes, place_nominally
+from doormill_ros.diagnosis.pose.fit import deviation, fit_causes, place_nominally
 from doormill_ros.diagnosis.pose.model import Errors, SeriesFit, rmse, standard_deviations
 from doormill_ros.diagnosis.pose.noise import common_noise, evened
 from doormill_ros.diagnosis.pose.search import PoseSearch
 from doormill_ros.diagnosis.pose.selection import Score
 from doormill_ros.diagnosis.pose.standing import find_standing, stood
+from doormill_ros.diagnosis.pose.together import check_names, check_together
 from doormill_ros.diagnosis.pose.validation import by_block
-from doormill_ros.measurements.errors import PoseTableError, SetMixError
 from doormill_ros.measurements.pose_set import PoseSet
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
 from doormill_ros.robot_model.pose.law.term import PoseTerm
@@ -30,57 +30,6 @@ from doormill_ros.robot_model.pose.stance import UPRIGHT
 
 #: Deviations from the nominal model beyond which a row is a gross error where nothing else is known to be wrong.
 GROSS = 5.0
-
-
-def check_together(sets: Sequence[PoseSet]) -> None:
-    """Sets that are given together have to question the same model.
-
-    Raises:
-        SetMixError: They do not.
-    """
-    first = sets[0]
-    for other in sets[1:]:
-        for name, mine, theirs in (("robot", first.robot, other.robot), ("model.dh", first.dh, other.dh)):
-            if not np.array_equal(mine, theirs):
-                raise SetMixError(
-                    f"{other.path / 'set.yaml'}: line 1, column 1: {name} is not the one in {first.path}; "
-                    "sets given together need the same"
-                )
-
-
-def check_names(sets: Sequence[PoseSet]) -> None:
-    """What befell one series alone is told, and fitted, by its name.
-
-    Raises:
-        SetMixError: Two have the same.
-    """
-    known: dict[str, PoseSet] = {}
-    for data in sets:
-        other = known.setdefault(data.name, data)
-        if other is not data:
-            raise SetMixError(
-                f"{data.path / 'set.yaml'}: line 1, column 1: the folder is called {data.name} as {other.path} is; "
-                "sets diagnosed together are told apart by that name: rename one of the folders"
-            )
-
-
-def check_rows(sets: Sequence[PoseSet]) -> None:
-    """A series that is diagnosed has a row at least in every block that is left out.
-
-    Raises:
-        PoseTableError: One has fewer.
-    """
-    for data in sets:
-        if len(data) < BLOCKS:
-            table = data.path / "poses.csv"
-            raise PoseTableError(
-                f"{table}: line {len(data) + 1}, column row: the table holds {len(data)} rows, a series that is "
-                f"diagnosed needs {BLOCKS} at least, since blocks of them are left out in turn: measure more poses, "
-                "or give the set as one to check",
-                path=str(table),
-                line=len(data) + 1,
-                column="row",
-            )
 
 
 class PoseQuestion(Question[PoseCause, SeriesFit]):

@@ -24,13 +24,7 @@ from doormill_ros.diagnosis.pose.causes import (
 from doormill_ros.diagnosis.pose.certainty import certainty_section
 from doormill_ros.diagnosis.pose.check import check_set
 from doormill_ros.diagnosis.pose.coverage import coverage
-from doormill_ros.diagnosis.pose.diagnosis import (
-    PoseDiagnosis,
-    check_names,
-    check_rows,
-    check_together,
-    diagnose_poses,
-)
+from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis, diagnose_poses
 from doormill_ros.diagnosis.pose.evidence import (
     candidates_blocks,
     closing,
@@ -41,6 +35,7 @@ from doormill_ros.diagnosis.pose.laws import model_with_laws, with_laws
 from doormill_ros.diagnosis.pose.model import Errors, figures
 from doormill_ros.diagnosis.pose.next_poses import listed, plan_next, propose
 from doormill_ros.diagnosis.pose.standing import standing_document, standing_remarks
+from doormill_ros.diagnosis.pose.together import check_marked, check_names, check_rows, check_together
 from doormill_ros.measurements.pose_set import PoseSet, placement_owners, read_pose_set
 from doormill_ros.pages.page import Block, PageSection, Paragraphs
 from doormill_ros.robot_model.pose.model import model_document
@@ -75,7 +70,7 @@ class Poses(Kind[PoseSet, PoseDiagnosis]):
         check_names(sets)
         check_rows(sets)
         placement_owners(sets)
-        placement_owners([*sets, *others])
+        check_marked(sets, others)
 
     def diagnose(self, sets: Sequence[PoseSet], progress: Progress) -> PoseDiagnosis:
         """Fit everything that may act, and keep what earns its place on rows left out; then laws for the rest."""

@@ -66,3 +66,34 @@ def test_a_coarse_series_takes_nothing_from_a_fine_one(by_two_trackers):
     assert both["extended"]["holdout_rmse"] == pytest.approx(both["noise_floor"], rel=0.1)
     for one in both["certainty"]["blocks_left_out"]:
         assert 0.92 < one["within_95"] < 0.98
+
+
+def told_of(table):
+    """Its rows, the first one their names."""
+    return [line.split(",") for line in table.read_text().splitlines()]
+
+
+def test_a_series_of_one_posture_is_refused(tmp_path, write_arm_sets, arm, capsys):
+    (folder,) = write_arm_sets(tmp_path, arm(names=("one",)), 40, 1)
+    table = folder / "poses.csv"
+    head, first, *rest = told_of(table)
+    same = [[str(2 + k), *first[1:]] for k in range(len(rest))]
+    table.write_text("\n".join(",".join(row) for row in [head, first, *same]) + "\n")
+    assert main(["--data", str(folder), "--out", str(tmp_path / "out")]) == 2
+    assert "the table holds 40 rows of 1 postures" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_checked_series_that_nothing_places_is_refused_by_its_name_before_anything_is_fitted(
+    tmp_path, write_arm_sets, arm, capsys, monkeypatch
+):
+    one, two = write_arm_sets(tmp_path, arm(names=("one", "two")), 40, 1)
+    head, *rows = told_of(two / "poses.csv")
+    rows = [
+        [value if name != "placement" else "0" for name, value in zip(head, row, strict=True)] for row in rows
+    ]
+    (two / "poses.csv").write_text("\n".join(",".join(row) for row in [head, *rows]) + "\n")
+    monkeypatch.setattr(Poses, "diagnose", lambda *_: pytest.fail("fitted"))
+    assert main(["--data", str(one), "--check", str(two), "--out", str(tmp_path / "out")]) == 2
+    told = capsys.readouterr().err
+    assert f"{two / 'poses.csv'}: line 1, column placement: marks 0 postures with 1" in told

@@ -10,6 +10,7 @@ from doormill_ros.diagnosis.parts.case import CutCase
 from doormill_ros.diagnosis.parts.effects.effect import Unloaded
 from doormill_ros.diagnosis.parts.late import LAGS
 from doormill_ros.robot_model.candidate import CauseParameter
+from doormill_ros.units import s_to_ms
 
 _SQUARE = 1e-7  #: theta 1 is this squared half width of the stretch over which the path is a mean [m^2]
 #: Cut of a right angle over that half width h: on each leg the mean lies h / 4 from the corner.
@@ -63,7 +64,7 @@ class ServoLag(PathLag):
     def __init__(self, lag: float) -> None:
         """At the controller, shaped as for the time constant `lag`, one of `LAGS` [s]."""
         super().__init__()
-        self.lag, self.variant = lag, f"{1e3 * lag:g} ms"
+        self.lag, self.variant = lag, f"{s_to_ms(lag):g} ms"
         self.limit([lag**2 / _TIME], 0.0)
 
     def displacement(self, case: CutCase) -> FloatArray:
