@@ -56,6 +56,7 @@ def main() -> int:
     parameters = {"model_monitor": {"limit.expected": 0.0}, "controller_simulator": {"gauged": True}}
     options = CellOptions(parameters)
     shutil.rmtree(shift / "models", ignore_errors=True)
+    ShiftFolder(shift.resolve()).prepare(len(doors))
     with ModelMonitorBeside(shift, options) as monitor:
 
         def accepted(number: int) -> None:

@@ -7,6 +7,7 @@ same, with that status; one that breaks off (an exception, a signal, nothing pri
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 import tempfile
@@ -15,6 +16,8 @@ from pathlib import Path
 from typing import IO
 
 ROOT = Path(__file__).resolve().parents[1]
+#: What names a site, or a part of it.
+NAMED = ("DOORMILL_SITE", "DOORMILL_DATABASE", "DOORMILL_CATALOGUE")
 
 
 def git(*arguments: str) -> str:
@@ -25,10 +28,22 @@ def git(*arguments: str) -> str:
 
 
 def play(bench: str, rest: list[str], output: IO[str]) -> tuple[int, bool]:
-    """Run a bench, its progress shown as it comes; its exit status, and whether it wrote of an exception."""
-    with subprocess.Popen(
-        [sys.executable, bench, *rest], cwd=ROOT, stdout=output, stderr=subprocess.PIPE, text=True
-    ) as process:
+    """Run a bench, its progress shown as it comes; its exit status, and whether it wrote of an exception.
+
+    Recipes, catalogue and files of the site are its own, not the user's.
+    """
+    own = {name: value for name, value in os.environ.items() if name not in NAMED}
+    with (
+        tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder,
+        subprocess.Popen(
+            [sys.executable, bench, *rest],
+            cwd=ROOT,
+            env={**own, "XDG_DATA_HOME": folder},
+            stdout=output,
+            stderr=subprocess.PIPE,
+            text=True,
+        ) as process,
+    ):
         assert process.stderr is not None
         raised = False
         for line in process.stderr:

@@ -16,6 +16,7 @@ from pydantic import TypeAdapter, ValidationError
 from pydantic_core import ErrorDetails
 
 from doormill_ros.errors import DoormillError
+from doormill_ros.files import read_utf8
 from doormill_ros.values import keys, plain
 from doormill_ros.yaml_text import NotYaml, parse
 
@@ -39,13 +40,13 @@ def read_document(path: Path, error: type[DoormillError], advice: str = "correct
 
 def _text(path: Path, error: type[DoormillError], advice: str) -> str:
     try:
-        return path.read_text(encoding="utf-8-sig")
+        return read_utf8(path)
     except OSError as cause:
         reason = cause.strerror or str(cause)
         raise error(
             f"{path} cannot be read, {reason}; allowed is a YAML file, {advice}", path=str(path)
         ) from cause
-    except ValueError as cause:  # not UTF-8, or a NUL in the path
+    except ValueError as cause:  # not UTF-8, with line and column, or a NUL in the path
         raise error(
             f"{path} cannot be read, {cause}; allowed is text in UTF-8, save it so", path=str(path)
         ) from cause

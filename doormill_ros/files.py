@@ -1,8 +1,10 @@
-"""Replace a file in one step, so that a reader finds the old content or the new one and nothing between."""
+"""Read a file of text, and replace one in one step: a reader finds the old content or the new one, nothing between."""
 
 from __future__ import annotations
 
+import codecs
 import contextlib
+import errno
 import os
 import secrets
 import stat
@@ -40,6 +42,59 @@ class NotPrivateError(OSError):
     def __init__(self, problem: str, mode: str = "") -> None:
         super().__init__(problem)
         self.mode = mode
+
+
+class NotUtf8(ValueError):
+    """A text that is no UTF-8.
+
+    Attributes:
+        where: Line and column of the first byte that is none, as "line 2, column 5".
+        reason: What is wrong with it.
+    """
+
+    def __init__(self, before: bytes, reason: str) -> None:
+        """Count in the good bytes before the bad one."""
+        line = before[before.rfind(b"\n") + 1 :].decode("utf-8")
+        self.where = f"line {before.count(10) + 1}, column {len(line) + 1}"
+        self.reason = reason
+        super().__init__(f"{self.where}: is no UTF-8 text ({reason})")
+
+
+def text_of_utf8(content: bytes) -> str:
+    """The text of bytes in UTF-8, with or without a mark at their beginning; lines end with a line feed.
+
+    Raises:
+        NotUtf8: They are none.
+    """
+    content = content.removeprefix(codecs.BOM_UTF8)
+    try:
+        text = content.decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise NotUtf8(content[: error.start], error.reason) from error
+    return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+def read_regular(path: Path) -> bytes:
+    """What a file holds; a pipe or a device, which may never end, is refused.
+
+    Raises:
+        OSError: It cannot be opened, or is no regular file; `strerror` says which.
+        ValueError: No file can have that name.
+    """
+    mode = os.stat(path).st_mode
+    if not stat.S_ISREG(mode) and not stat.S_ISDIR(mode):
+        raise OSError(errno.EINVAL, "a pipe, a device or a socket, not a regular file", str(path))
+    return path.read_bytes()
+
+
+def read_utf8(path: Path) -> str:
+    """The text of a regular file in UTF-8, as of `text_of_utf8`.
+
+    Raises:
+        OSError: It cannot be opened, or is no regular file.
+        ValueError: It is no UTF-8 (`NotUtf8`), or no file can have that name.
+    """
+    return text_of_utf8(read_regular(path))
 
 
 def read_private(path: Path, most: int) -> bytes:

@@ -3,10 +3,20 @@
 from __future__ import annotations
 
 import atexit
+import functools
 import signal
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from types import TracebackType
+from typing import ParamSpec
+
+_WORD = "interrupted\n"
+
+
+#: What a shell shows of a process that ended of an interrupt.
+INTERRUPTED = 128 + signal.SIGINT
+
+P = ParamSpec("P")
 
 
 class Terminated(SystemExit):
@@ -22,6 +32,25 @@ def die_of_interrupts() -> None:
     An exception amid imports would show all of them; and a module may swallow it or make another one of it.
     """
     signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
+def interruptible(main: Callable[P, int]) -> Callable[P, int]:
+    """Let the main function of a command line tool end of an interrupt in one word and with status 130.
+
+    After `interrupt_once` the process tells of it itself.
+    """
+
+    @functools.wraps(main)
+    def run(*args: P.args, **kwargs: P.kwargs) -> int:
+        try:
+            return main(*args, **kwargs)
+        except KeyboardInterrupt:
+            if sys.excepthook is _tell:
+                raise
+            sys.stderr.write(_WORD)
+            return INTERRUPTED
+
+    return run
 
 
 def interrupt_once(numbers: Sequence[signal.Signals] = (signal.SIGINT,)) -> None:
@@ -53,6 +82,6 @@ def is_terminated_in_order() -> bool:
 def _tell(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
     """Say in one line that the user ended it; the interpreter then dies of the signal, as shells expect."""
     if issubclass(kind, KeyboardInterrupt):
-        sys.stderr.write("interrupted\n")
+        sys.stderr.write(_WORD)
     else:
         sys.__excepthook__(kind, error, trace)

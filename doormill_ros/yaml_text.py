@@ -45,8 +45,24 @@ _WRONG_VALUE = (ValueError, ArithmeticError, LookupError, TypeError, AttributeEr
 _WRONG = (yaml.YAMLError, *_WRONG_VALUE)
 
 
+#: Values by which aliases may lengthen a document: lists of aliases to lists of aliases grow beyond any memory.
+MOST_REPEATED = 20_000
+
+
 class _Rules:
-    """Refuses a key that is given twice, and leaves times as text."""
+    """Refuses a key that is given twice and aliases that multiply, and leaves times as text."""
+
+    anchors: dict[Any, yaml.Node]
+
+    def compose_document(self) -> Any:
+        """The nodes of a document, as the library composes them; NotYaml where its aliases multiply."""
+        self.get_event()  # type: ignore[attr-defined]
+        node = self.compose_node(None, None)  # type: ignore[attr-defined]
+        self.get_event()  # type: ignore[attr-defined]
+        named, self.anchors = self.anchors, {}
+        if named and node is not None:
+            _check_aliases(node)
+        return node
 
     def construct_object(self, node: yaml.Node, deep: bool = False) -> Any:
         """The value of a node; a wrong one behind a tag, such as !!int x, ends in whatever Python says to it."""
@@ -56,6 +72,34 @@ class _Rules:
             raise
         except _WRONG_VALUE as error:
             raise NotYaml(str(error), node.start_mark) from error
+
+
+def _check_aliases(root: yaml.Node) -> None:
+    """Raise NotYaml where a node holds itself, or all of them are too many once each alias is written out."""
+    sizes: dict[yaml.Node, int] = {}
+    inside: set[yaml.Node] = set()
+
+    def size(node: yaml.Node) -> int:
+        if node in sizes:
+            return sizes[node]
+        if node in inside:
+            raise NotYaml(
+                "an alias stands inside what it names, allowed is a list or mapping that ends",
+                node.start_mark,
+            )
+        inside.add(node)
+        parts = node.value if isinstance(node, yaml.CollectionNode) else ()
+        children = (one for part in parts for one in (part if isinstance(part, tuple) else (part,)))
+        sizes[node] = 1 + sum(size(child) for child in children)
+        inside.discard(node)
+        return sizes[node]
+
+    repeated = size(root) - len(sizes)
+    if repeated > MOST_REPEATED:
+        raise NotYaml(
+            f"its aliases repeat more than the allowed {MOST_REPEATED} values: write out what is meant",
+            root.start_mark,
+        )
 
 
 class _Loader(_Rules, yaml.SafeLoader):

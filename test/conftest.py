@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import faulthandler
 import os
+import shutil
 import signal
+import tempfile
 from collections.abc import Generator, Iterator
 from pathlib import Path
 
@@ -32,6 +34,9 @@ FIRST_DOMAIN, DOMAINS = 20, 80
 #: What a phase of a test may take beyond the test's time limit [s].
 PATIENCE = 60.0
 STDERR = pytest.StashKey[int]()
+DATA = pytest.StashKey[str]()
+#: What names a site, or a part of it, and goes before the folder of the user's data.
+NAMED = ("DOORMILL_SITE", "DOORMILL_DATABASE", "DOORMILL_CATALOGUE")
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -41,10 +46,19 @@ def pytest_configure(config: pytest.Config) -> None:
     os.environ["ROS_DOMAIN_ID"] = str(FIRST_DOMAIN + number)
     os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
     os.environ.setdefault("OMP_NUM_THREADS", "1")
+    # Files that are read while tests are collected, and fixtures that live longer than a module.
+    config.stash[DATA] = os.environ["XDG_DATA_HOME"] = tempfile.mkdtemp(prefix="doormill-tests-")
+    for name in NAMED:
+        os.environ.pop(name, None)
     # While a test runs, the number 2 stands for a file that is lost with the process.
     config.stash[STDERR] = os.dup(2)
     # Handed out file by file they would go by how many tests they have: the dearest, which have few, last.
     config.option.loadscopereorder = False
+
+
+def pytest_unconfigure(config: pytest.Config) -> None:
+    """Remove what was written beside the folders of tests."""
+    shutil.rmtree(config.stash[DATA], ignore_errors=True)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -83,9 +97,17 @@ def _own_signals() -> Iterator[None]:
             signal.signal(number, handler)
 
 
+@pytest.fixture(scope="module", autouse=True)
+def _own_user_data_of_a_module(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Nodes that serve all tests of a file have a site that no other file has."""
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path_factory.mktemp("user_data")))
+        yield
+
+
 @pytest.fixture(autouse=True)
 def _own_user_data(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nothing reads or writes the user's recipes."""
+    """Nothing reads or writes the user's recipes and catalogue."""
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
-    monkeypatch.delenv("DOORMILL_DATABASE", raising=False)
-    monkeypatch.delenv("DOORMILL_SITE", raising=False)
+    for name in NAMED:
+        monkeypatch.delenv(name, raising=False)

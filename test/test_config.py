@@ -2,6 +2,7 @@
 
 import json
 import math
+import os
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
@@ -315,3 +316,19 @@ def test_read_is_parse_and_check(tmp_path):
     path = tmp_path / "x.yaml"
     path.write_text(yaml.safe_dump(DOCUMENT), encoding="utf-8-sig")
     assert read(path, Whole, BadCellFile).parts[0].size == 1.0
+
+
+@pytest.mark.timeout(60)
+def test_what_is_no_regular_file_of_text_is_refused_by_its_place(tmp_path):
+    path = tmp_path / "world.yaml"
+    os.mkfifo(path)
+    with pytest.raises(
+        EffectsFileError, match="cannot be read, a pipe, a device or a socket, not a regular file;"
+    ):
+        load_effects(path)
+    path.unlink()
+    path.write_bytes("\ufeffschema: 1\r\nä: ".encode() + b"\xe4\r\n")
+    with pytest.raises(
+        EffectsFileError, match=r"cannot be read, line 2, column 4: is no UTF-8 text \(.*\); allowed is"
+    ):
+        load_effects(path)

@@ -39,11 +39,12 @@ class Retention:
         Raises:
             BadRetentionError: Neither is given, or one is no number of at least 0.
         """
-        given = [value for value in (self.days, self.gigabytes) if value is not None]
-        if not given or not all(math.isfinite(value) and value >= 0.0 for value in given):
+        limits = {"days": self.days, "gigabytes": self.gigabytes}
+        given = {unit: value for unit, value in limits.items() if value is not None}
+        if not given or not all(math.isfinite(value) and value >= 0.0 for value in given.values()):
+            found = " and ".join(f"{value:g} {unit}" for unit, value in given.items())
             raise BadRetentionError(
-                f"found {self.days} days and {self.gigabytes} gigabytes, allowed are numbers from 0 on, at least one "
-                "of them"
+                f"found {found or 'no limit'}, allowed are numbers from 0 on, at least one of days and gigabytes"
             )
 
 

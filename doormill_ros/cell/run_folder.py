@@ -7,9 +7,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NoReturn
 
+from doormill_ros.cell import earlier_run
 from doormill_ros.cell.errors import BadParameterError
 from doormill_ros.resources import AUDIT, MODELS
+
+#: Folders of a shift that the documentation has `diagnose` write to.
+DIAGNOSES = ("diagnosis", "runs")
 
 
 @dataclass(frozen=True)
@@ -82,18 +87,35 @@ class RunFolder:
         """Make the folder; what a former run left under these names is removed, nothing else.
 
         Raises:
-            BadParameterError: The disk does not let it, such as for a file that is in the way.
+            BadParameterError: Something lies there that no run wrote, or somebody handed in, and nothing is touched; or
+                the disk does not let it, such as for a file that is in the way.
         """
         with _told_of(self.root):
+            self._check()
             self._prepare()
 
-    def _prepare(self) -> None:
-        own = () if self.shift else (self.controller.parent,)
+    def _check(self) -> None:
+        """Refuse what must not be removed."""
+        if self.shift is None and earlier_run.doors(self.root):
+            _refuse(self.root, "holds a shift of doors, which one door cannot take the place of")
+        ran = earlier_run.is_run(self.root)
+        _refuse_strangers(self.root, earlier_run.strangers(self.root, ran))
+        _refuse_strangers(self.root, earlier_run.strangers_in(self._shared(), ran))
+        # Only for the doors of a shift something is measured there by the cell itself.
+        if self.shift is None and earlier_run.inspected(self.root):
+            _refuse_measured(self.root, self.inspection)
+        _refuse_handed_in(self.root, (self.inspection, *self._shared()))
+
+    def _shared(self) -> tuple[Path, ...]:
+        """What a shift has for all of its runs, and a run by itself for its own."""
         # What is kept of inspections names bags that go; models stay.
-        own = own if self.shift else (*own, self.inspections)
-        for path in (self.bag, self.targets, self.inspection, *own):
+        return () if self.shift else (self.controller.parent, self.inspections)
+
+    def _prepare(self) -> None:
+        for path in (self.bag, self.targets, self.inspection, *self._shared()):
             if path.exists():
                 shutil.rmtree(path)
+        # These last: by them a folder that is half removed is still known for a run's.
         for path in (self.report, self.summary, self.parameters):
             path.unlink(missing_ok=True)
         self.root.mkdir(parents=True, exist_ok=True)
@@ -120,22 +142,81 @@ class ShiftFolder:
         """shift.json."""
         return self.root / "shift.json"
 
-    def prepare(self) -> None:
-        """Make the folder; a former shift's doors, inspections and controller are removed, nothing else.
+    def prepare(self, doors: int) -> None:
+        """Make the folder; a former shift's doors, inspections, controller and diagnoses are removed, nothing else.
+
+        Args:
+            doors: How many the new shift has; a former one that had more of them inspected keeps its folder.
 
         Raises:
-            BadParameterError: The disk does not let it, such as for a file that is in the way.
+            BadParameterError: Something lies there that no shift wrote, or that this one would not measure anew, and
+                nothing is touched; or the disk does not let it, such as for a file that is in the way.
         """
         with _told_of(self.root):
+            self._check(doors)
             self._prepare()
 
+    def _check(self, doors: int) -> None:
+        """Refuse what must not be removed."""
+        alone = RunFolder(self.root)
+        if alone.bag.exists() or alone.summary.exists():
+            _refuse(self.root, "holds a run by itself, which a shift cannot take the place of")
+        former = earlier_run.doors(self.root)
+        for path in former:
+            run = RunFolder(path, self.root)
+            _refuse_strangers(self.root, earlier_run.strangers_beside(path))
+            run._check()
+        lost = [path.name for path in former if int(path.name[5:]) >= doors and earlier_run.inspected(path)]
+        if lost:
+            _refuse(
+                self.root,
+                f"holds inspected doors that a shift of {doors} would remove and not mill anew, {', '.join(lost)}",
+            )
+        ran = earlier_run.is_shift(self.root)
+        _refuse_strangers(self.root, earlier_run.strangers_in(self._kept(), ran))
+        _refuse_strangers(self.root, (file for file in self._files() if file.exists() and not ran))
+        _refuse_handed_in(self.root, (alone.inspections,))
+        for path in self._diagnoses():
+            _refuse_strangers(self.root, earlier_run.strangers_in_diagnosis(path))
+
+    def _kept(self) -> tuple[Path, ...]:
+        return self.controller.parent, self.run(0).inspections
+
+    def _files(self) -> tuple[Path, ...]:
+        return self.summary, RunFolder(self.root).parameters
+
+    def _diagnoses(self) -> list[Path]:
+        """What `diagnose` said of the doors that go."""
+        return [path for path in (self.root / name for name in DIAGNOSES) if earlier_run.is_diagnosis(path)]
+
     def _prepare(self) -> None:
-        doors = [path for path in self.root.glob("door_*") if path.name.removeprefix("door_").isdigit()]
-        for path in (*doors, self.controller.parent, self.run(0).inspections):
+        for path in (*self._diagnoses(), *earlier_run.doors(self.root), *self._kept()):
             if path.exists():
                 shutil.rmtree(path)
-        self.summary.unlink(missing_ok=True)
+        # These last: by them a folder that is half removed is still known for a shift's.
+        for file in self._files():
+            file.unlink(missing_ok=True)
         self.controller.mkdir(parents=True)
+
+
+def _refuse_strangers(root: Path, strangers: Iterator[Path]) -> None:
+    stranger = next(strangers, None)
+    if stranger is not None:
+        _refuse(root, f"holds {stranger}, which no run of the cell has left there")
+
+
+def _refuse_handed_in(root: Path, folders: tuple[Path, ...]) -> None:
+    for folder in folders:
+        for path in earlier_run.handed_in(folder):
+            _refuse_measured(root, path)
+
+
+def _refuse_measured(root: Path, path: Path) -> NoReturn:
+    _refuse(root, f"holds an inspection that somebody measured, {path}, and a new run would remove it")
+
+
+def _refuse(root: Path, why: str) -> NoReturn:
+    raise BadParameterError(f"folder {root} {why}; name another one, or move away what is in it")
 
 
 @contextmanager

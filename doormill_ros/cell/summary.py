@@ -25,7 +25,7 @@ class StageDurations:
 
 @dataclass(frozen=True)
 class FeatureError:
-    """Largest distance of the milled contours from the recipe on the true door [m], and of which feature as milled."""
+    """Largest distance of contours and floors from the recipe on the true door [m], and of which feature as milled."""
 
     uncorrected_max: float = 0.0
     corrected_max: float = 0.0

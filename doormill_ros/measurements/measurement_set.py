@@ -9,7 +9,14 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.measurements.set_document import SetDocument
-from doormill_ros.measurements.si_units import DISPLACEMENT, JOINT_ANGLE, LENGTH, check_cells, check_values
+from doormill_ros.measurements.si_units import (
+    DISPLACEMENT,
+    JOINT_ANGLE,
+    LENGTH,
+    TWIST,
+    check_cells,
+    check_values,
+)
 from doormill_ros.measurements.trial_table import TrialTable
 from doormill_ros.measurements.trials import Noise, Reflector, Trials
 from doormill_ros.robot.description import load_robot
@@ -56,7 +63,7 @@ def read_measurement_set(folder: str | Path) -> MeasurementSet:
     document = SetDocument(folder / "set.yaml")
     if document.get("schema") != SCHEMA:
         raise document.fail(("schema",), f"is {document.get('schema')!r}, allowed is {SCHEMA}")
-    robot = str(document.get("robot"))
+    robot = document.text("robot")
     try:
         dh = load_robot(robot).dh
     except RobotError as error:
@@ -75,15 +82,16 @@ def read_measurement_set(folder: str | Path) -> MeasurementSet:
     if noise.displacement == 0.0:
         raise document.fail(("noise", "displacement"), "is 0, allowed is a positive number")
     reflectors = _reflectors(document)
-    load_point = document.vector(3, "load_point")
+    load_point, rotation = document.vector(3, "load_point"), document.number("wrench_frame_rotation")
     check_values(document, ("load_point",), load_point, LENGTH)
+    check_values(document, ("wrench_frame_rotation",), rotation, TWIST)
     return MeasurementSet(
         path=folder,
         robot=robot,
         dh=np.array(dh),
         joint_stiffness=stiffness,
         noise=noise,
-        wrench_frame_rotation=document.number("wrench_frame_rotation"),
+        wrench_frame_rotation=rotation,
         load_point=load_point,
         reflectors=reflectors,
         **_trials(TrialTable(folder / "trials.csv", COLUMNS), reflectors),

@@ -96,8 +96,8 @@ def read_motion_set(folder: Path) -> MotionSet:
         array.setflags(write=False)
     return MotionSet(
         path=folder,
-        robot=str(document.get("robot")),
-        source=str(document.data.get("source", "")),
+        robot=document.text("robot"),
+        source=document.text("source") if "source" in document.data else "",
         rate=rate,
         joints=joints,
         motions=tuple(

@@ -91,7 +91,7 @@ def read_picture_set(folder: Path) -> PictureSet:
         raise document.fail(("schema",), f"is {document.get('schema')!r}, allowed is {SCHEMA}")
     camera_file = resource("config/camera.yaml")
     if document.data.get("camera") is not None:
-        camera_file = folder / str(document.get("camera"))
+        camera_file = folder / document.text("camera")
         if not is_file(camera_file):
             raise document.fail(
                 ("camera",), f"is {document.get('camera')!r}, allowed is a file in the folder"

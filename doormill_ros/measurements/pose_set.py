@@ -153,8 +153,8 @@ def read_pose_set(folder: Path) -> PoseSet:
         rotation.setflags(write=False)
     return PoseSet(
         path=folder,
-        robot=str(document.get("robot")),
-        source=str(document.data.get("source", "")),
+        robot=document.text("robot"),
+        source=document.text("source") if "source" in document.data else "",
         dh=dh,
         links=_links(document, len(dh)),
         noise=_noise(document),
@@ -251,11 +251,27 @@ def _dh(document: SetDocument) -> FloatArray:
 
 
 def _links(document: SetDocument, joints: int) -> tuple[LinkMass, ...]:
+    """Masses of all links; of one that the set does not know, the published one; empty where it knows none."""
     links: Any = document.get("model").get("links")
-    if links is None:
+    if links is None or (isinstance(links, list) and all(link is None for link in links)):
         return ()
+    if isinstance(links, list) and len(links) == joints and None in links:
+        published = published_masses(document.text("robot"), joints)
+        if not published:
+            raise document.fail(
+                ("model", "links"),
+                f"knows nothing of link {links.index(None) + 1}, and nobody published the masses of "
+                f"{document.text('robot')}: state all {joints}, or leave out links",
+            )
+    else:
+        published = ()
     try:
-        found = tuple(LinkMass(float(link["mass"]), np.array(link["com"], dtype=float)) for link in links)
+        found = tuple(
+            published[k]
+            if link is None
+            else LinkMass(float(link["mass"]), np.array(link["com"], dtype=float))
+            for k, link in enumerate(links)
+        )
         good = len(found) == joints and all(
             link.mass >= 0.0
             and np.isfinite(link.mass)
@@ -263,10 +279,14 @@ def _links(document: SetDocument, joints: int) -> tuple[LinkMass, ...]:
             and np.all(np.isfinite(link.com))
             for link in found
         )
-    except (TypeError, ValueError, KeyError):
+    except (TypeError, ValueError, KeyError, IndexError, OverflowError):
         good = False
     if not good:
-        raise document.fail(("model", "links"), f"needs {joints} entries {{mass: kg, com: [x, y, z] m}}")
+        raise document.fail(
+            ("model", "links"),
+            f"needs {joints} entries {{mass: kg, com: [x, y, z] m}}, null for a link that is not known; leave it out "
+            "where none is",
+        )
     check_values(document, ("model", "links"), [link.com for link in found], LENGTH)
     return found
 

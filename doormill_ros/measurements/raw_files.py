@@ -17,6 +17,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.errors import DataSetError
+from doormill_ros.files import NotUtf8, read_utf8
 from doormill_ros.measurements.errors import RawFileError
 from doormill_ros.measurements.si_units import DISTANCE
 
@@ -119,11 +120,11 @@ def _split(line: str) -> list[str]:
 
 def _read_table(path: Path) -> _Table:
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        text = read_utf8(path)
     except OSError as error:
         raise _error(path, 1, 1, f"cannot be opened ({error.strerror})") from error
-    except UnicodeDecodeError as error:
-        raise _error(path, 1, 1, f"is no UTF-8 text ({error.reason})") from error
+    except NotUtf8 as error:
+        raise RawFileError(f"{path}: {error}, save it as UTF-8", path=str(path)) from error
     header: list[str] | None = None
     header_line, width = 0, 0
     lines: list[int] = []

@@ -31,6 +31,7 @@ from doormill_ros.frames import rotate_wrench, rotation_from_vector, rotation_z
 from doormill_ros.measurements.loading import Loadings
 from doormill_ros.measurements.raw_files import read_force_log, read_tracker_file
 from doormill_ros.measurements.set_document import SetDocument
+from doormill_ros.measurements.si_units import TWIST, check_values
 from doormill_ros.measurements.steady import SteadyWindow, steady_window
 from doormill_ros.robot.chain import JOINTS
 from doormill_ros.robot.description import Robot, load_robot
@@ -114,11 +115,12 @@ class _Reader:
         if self.document.get("schema") != SCHEMA:
             raise self.document.fail(("schema",), f"is {self.document.get('schema')!r}, allowed is {SCHEMA}")
         try:
-            self.robot = load_robot(str(self.document.get("robot")))
+            self.robot = load_robot(self.document.text("robot"))
         except RobotError as error:
             raise self.document.fail(("robot",), f"cannot be used: {error.message}") from error
         self.kinematics = Kinematics(self.robot)
         self.rotation = self.document.number("wrench_frame_rotation")
+        check_values(self.document, ("wrench_frame_rotation",), self.rotation, TWIST)
         self.load_point = self.document.vector(3, "load_point")
         tracker = np.zeros(3)
         if "tracker_rotation" in self.document.data:

@@ -10,6 +10,7 @@ import yaml
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.errors import DataSetError
+from doormill_ros.files import NotUtf8, read_utf8
 from doormill_ros.measurements.errors import DataFileError, SetDescriptionError
 from doormill_ros.yaml_text import NotYaml, parse
 
@@ -18,19 +19,17 @@ def read_text(path: Path) -> str:
     """Text of a file of a set.
 
     Raises:
-        DataFileError: Missing, unreadable or not UTF-8.
+        DataFileError: Missing, unreadable, no regular file or not UTF-8.
     """
     try:
-        return path.read_text(encoding="utf-8-sig")
+        return read_utf8(path)
     except OSError as error:
         raise DataFileError(
             f"{path}: line 1, column 1: cannot be opened ({error.strerror}), a set needs it",
             path=str(path),
         ) from error
-    except UnicodeDecodeError as error:
-        raise DataFileError(
-            f"{path}: line 1, column 1: is no UTF-8 text ({error.reason})", path=str(path)
-        ) from error
+    except NotUtf8 as error:
+        raise DataFileError(f"{path}: {error}, save it as UTF-8", path=str(path)) from error
 
 
 class SetDocument:
@@ -88,6 +87,18 @@ class SetDocument:
                 raise self.fail(keys, "is missing")
             value = named[key]
         return value
+
+    def text(self, *keys: str) -> str:
+        """A text, or the text of a number.
+
+        Raises:
+            SetDescriptionError: Missing, or a list or mapping.
+        """
+        value = self.get(*keys)
+        if isinstance(value, list | dict):
+            kind = "list" if isinstance(value, list) else "mapping"
+            raise self.fail(keys, f"is a {kind}, allowed is text")
+        return str(value)
 
     def vector(self, size: int, *keys: str) -> FloatArray:
         """Finite numbers, shape (size,).

@@ -53,6 +53,10 @@ class TrialTable:
                 self.lines.append(reader.line_num)
         except csv.Error as error:
             raise self._error(reader.line_num, "1", f"not CSV: {error}") from error
+        if header is None:
+            raise self._error(
+                1, columns[0], f"the file is empty, it needs a header with the columns {','.join(columns)}"
+            )
         if not rows:
             raise self._error(reader.line_num or 1, columns[0], "the table holds no rows")
         self._cells = {name: [row[i] for row in rows] for i, name in enumerate(header or [])}

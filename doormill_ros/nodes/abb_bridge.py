@@ -21,7 +21,13 @@ from doormill_ros.abb.link_errors import MillingFaultError
 from doormill_ros.abb.spindle_load import SpindleLoadMeter
 from doormill_ros.abb.target_file.rehearsal import PROGRAM, rehearse
 from doormill_ros.abb.target_file.target_file import check_handover, render_target_file, write_target_file
-from doormill_ros.abb.transports.registry import ANSWER, TRANSPORTS, TransportOptions, open_transport
+from doormill_ros.abb.transports.registry import (
+    ANSWER,
+    SIMULATED,
+    TRANSPORTS,
+    TransportOptions,
+    open_transport,
+)
 from doormill_ros.cell.door_sensors import chosen_sensors
 from doormill_ros.cell.errors import NodeDoubledError
 from doormill_ros.cell.layout import load_layout
@@ -45,6 +51,7 @@ from doormill_ros.nodes.sensors_parameter import SENSORS_PARAMETER
 from doormill_ros.nodes.spindle_watch import SPINDLE_PARAMETER, SpindleWatch
 from doormill_ros.pipeline.course import recipe_nodes, stage_of
 from doormill_ros.recording.typestores import reader_of
+from doormill_ros.robot.description import load_robot
 from doormill_ros.units import s_to_ns
 
 
@@ -61,11 +68,16 @@ def code_of(snapshot: HandshakeSnapshot) -> int:
     return MillingFaultError.code if level_of(snapshot) == ERROR else snapshot.error_code
 
 
+def caution_of(transport: str) -> str:
+    """What to do before the cell's robot moves, where the way leads to a real one; empty where there is nothing."""
+    return "" if transport == SIMULATED else load_robot(load_layout().robot).caution
+
+
 class AbbBridge(ManagedNode):
     """Owns the handshake with the controller; nothing else writes the target file or the ready signal."""
 
     PARAMETERS = (
-        NodeParameter("transport", "simulated_folder", "way to the controller", choices=tuple(TRANSPORTS)),
+        NodeParameter("transport", SIMULATED, "way to the controller", choices=tuple(TRANSPORTS)),
         NodeParameter("address", "out/controller/HOME", "HOME of simulated_folder, URL of rws1 and rws2"),
         NodeParameter("certificate", "", "PEM file with the controller's certificate, for rws2"),
         NodeParameter("insecure", False, "trust any certificate of the controller, for rws2"),
@@ -144,6 +156,8 @@ class AbbBridge(ManagedNode):
         self._shown: tuple[bool, bool] | None = None
         sensors = chosen_sensors(load_layout(), self.value(SENSORS_PARAMETER.name))
         transport = open_transport(self.value("transport"), self._transport_options())
+        if caution := caution_of(self.value("transport")):
+            self.get_logger().warning(caution)
         self.handshake = SharedHandshake(
             transport,
             timeouts=HandshakeTimeouts(

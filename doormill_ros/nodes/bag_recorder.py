@@ -20,6 +20,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from doormill_ros.catalogue.filler import RunFiller
 from doormill_ros.catalogue.run_collector import CELL, SOFTWARE, TOPICS, topic_of
 from doormill_ros.cell.clock import EvenClock
+from doormill_ros.cell.errors import BadParameterError
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.found_topics import is_hidden, matching, message_class, qos_document, type_name
 from doormill_ros.nodes.frame_publisher import frame_topics
@@ -60,7 +61,12 @@ class BagRecorder(ManagedNode):
         super().__init__("bag_recorder", **kwargs)
 
     def setup(self) -> None:
-        """Open the bag and subscribe to the cell's topics, and from then on to what else turns up."""
+        """Open the bag and subscribe to the cell's topics, and from then on to what else turns up.
+
+        Raises:
+            BadParameterError: The bag's folder cannot be made.
+            BagExistsError: It holds files.
+        """
         folder = self.value("bag")
         if not folder:
             name = datetime.now(UTC).strftime("%Y%m%dT%H%M%S%fZ")
@@ -72,7 +78,7 @@ class BagRecorder(ManagedNode):
         self._queue = BoundedQueue(self.value("queue_size"))
         device = f"{socket.gethostname()}{self.get_namespace()}".rstrip("/")
         recorder = {SOFTWARE: software(), CELL: device}
-        self._writer = BagWriter(Path(folder), self.value("split_size"), device=device, custom=recorder)
+        self._writer = self._opened(Path(folder), device, recorder)
         self._filler = BagFiller(self._queue, self._writer)
         self._runs = self._run_filler(Path(folder), recorder)
         self._even_clock = EvenClock()  # readers sort by it
@@ -87,6 +93,17 @@ class BagRecorder(ManagedNode):
             self._runs.start()
         self.every(DISCOVERY_PERIOD, self._discover)
         self.get_logger().info(f"recording into {folder}")
+
+    def _opened(self, folder: Path, device: str, recorder: dict[str, str]) -> BagWriter:
+        try:
+            return BagWriter(folder, self.value("split_size"), device=device, custom=recorder)
+        except OSError as error:
+            # The bag's own name is another one at each attempt, of which the first is told.
+            name = "bag" if self.value("bag") else "folder"
+            raise BadParameterError(
+                f"nothing can be recorded into {self.value(name)}: {error.strerror or error}; correct the parameter "
+                f"{name}, or make way"
+            ) from error
 
     def start(self) -> None:
         """Record what arrives from now on, latched state first."""

@@ -25,6 +25,7 @@ from doormill_ros.nodes.abb_bridge import AbbBridge
 from doormill_ros.nodes.bag_recorder import BagRecorder
 from doormill_ros.nodes.camera_simulator import CameraSimulator
 from doormill_ros.nodes.cell_driver import CellDriver
+from doormill_ros.nodes.chosen_values import check_values
 from doormill_ros.nodes.composition import Composition
 from doormill_ros.nodes.controller_simulator import ControllerSimulator
 from doormill_ros.nodes.door_localizer import DoorLocalizer
@@ -35,6 +36,7 @@ from doormill_ros.nodes.operator_page import OperatorPage
 from doormill_ros.nodes.path_generator import PathGenerator
 from doormill_ros.nodes.recipe_database import RecipeDatabaseNode
 from doormill_ros.nodes.robots import ROBOTS, in_robot, robot_arguments
+from doormill_ros.nodes.run import check_start
 from doormill_ros.nodes.sensor_localizer import SensorLocalizer
 from doormill_ros.nodes.sensor_simulator import SensorSimulator
 from doormill_ros.nodes.sensors_parameter import SENSORS_PARAMETER
@@ -51,7 +53,13 @@ SILENCE = 30.0
 GLOBAL = ("tf", "tf_static", "diagnostics")
 
 NODES: tuple[Callable[..., ManagedNode], ...] = (BagRecorder, RecipeDatabaseNode)
-
+#: Nodes whose parameters the user of the one-process cell chooses.
+_CHOSEN: dict[str, type[ManagedNode]] = {
+    "camera_simulator": CameraSimulator,
+    "controller_simulator": ControllerSimulator,
+    "operator_page": OperatorPage,
+    "path_generator": PathGenerator,
+}
 
 #: Who has to know which sensors there are, beside these themselves.
 SENSOR_NODES = ("door_localizer", "abb_bridge", "camera_simulator", "sensor_simulator")
@@ -78,6 +86,21 @@ class CellOptions:
     controller: RobotCell | None = None
     sensors: tuple[str, ...] = ()
     robots: int = 1
+
+    def check(self) -> None:
+        """Judge what can be judged before there are nodes, and before anything of an earlier run is removed.
+
+        Raises:
+            BadParameterError: A node would not take its value, or the list of sensors is none.
+            BadCellFile: The cell's file is of no use.
+            BadSensorFile: A sensor is named that does not exist.
+            RosArgumentsError: ROS 2 does not start here, such as for its domain.
+        """
+        for node, values in self.parameters.items():
+            if node in _CHOSEN:
+                check_values(node, _CHOSEN[node], values)
+        self.finders()
+        check_start(self.namespace)
 
     def millers(self, folder: RunFolder) -> list[Callable[[], ManagedNode]]:
         """Makers of the nodes of the robot, or of both and of those that they share."""
@@ -234,6 +257,7 @@ def run_in(
     milled: Callable[[RunSummary], None] | None = None,
 ) -> RunSummary:
     """As `run_once`, for a folder that may belong to a shift; its path is absolute."""
+    (options or CellOptions()).check()
     run_folder.prepare()
     with Cell(run_folder, options) as cell:
         summary = cell.mill(door_id, progress)

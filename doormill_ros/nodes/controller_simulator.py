@@ -270,7 +270,7 @@ class ControllerSimulator(ManagedNode):
             self._tell_gauged(gauge(door, T_base_door, executed, noise), placement.run_id)
         parts = judged.corrected, judged.uncorrected
         self._publish(self._milled, milled_message(door, *parts, TOLERANCE, header, placement))
-        self._say("door milled", door_id=placement.door_id, deviation=judged.corrected.max_deviation)
+        self._say("door milled", door_id=placement.door_id, deviation=judged.corrected.worst)
 
     def _header(self, frame: str) -> Header:
         return Header(stamp=self.get_clock().now().to_msg(), frame_id=frame)

@@ -32,6 +32,8 @@ WARN: bytes = DiagnosticStatus.WARN
 ERROR: bytes = DiagnosticStatus.ERROR
 DIAGNOSTICS_PERIOD = 1.0  # s
 DISPLAY_DELAY = 0.1  # s
+#: What to do about a value that a node cannot be started with.
+AT_START = "correct it on the command line or in the parameter file"
 STEADY = Clock(clock_type=ClockType.STEADY_TIME)
 #: What rclpy raises once a signal has taken the context away.
 _GONE = (rclpy_implementation.RCLError, rclpy_implementation.InvalidHandle)
@@ -57,8 +59,12 @@ class NodeParameter:
         """What its values are, after "allowed is"."""
         if self.choices:
             return f"one of {', '.join(repr(choice) for choice in self.choices)}"
-        limits = "" if self.low is None else f" from {self.low:g} to {self.high:g}"
         kind = type(self.default).__name__
+        if self.low is None or self.high is None:
+            limits = ""
+        else:  # whole numbers in all their digits
+            limits = " from {:d} to {:d}" if kind == "int" else " from {:g} to {:g}"
+            limits = limits.format(*map(type(self.default), (self.low, self.high)))
         return f"{'an' if kind == 'int' else 'a'} {kind}{limits}"
 
     def refusal(self, node: str, value: object, remedy: str) -> str:
@@ -146,8 +152,7 @@ class ReportingNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
             raise self._bad_value(parameter, given.value) from error
 
     def _bad_value(self, parameter: NodeParameter, value: object) -> DoormillError:
-        remedy = "correct it on the command line or in the parameter file"
-        return BadParameterError(parameter.refusal(self.get_name(), value, remedy))
+        return BadParameterError(parameter.refusal(self.get_name(), value, AT_START))
 
     def declared(self) -> set[str]:
         """Names of the parameters that the node has."""

@@ -10,11 +10,13 @@ import gc
 import re
 import signal
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import rclpy
+from rclpy.context import Context
+from rclpy.exceptions import InvalidNamespaceException
 from rclpy.executors import ExternalShutdownException
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.logging import get_logger
@@ -24,6 +26,7 @@ from rclpy.signals import (
     get_current_signal_handlers_options,
     uninstall_signal_handlers,
 )
+from rclpy.validate_namespace import validate_namespace
 
 from doormill_ros.cell.errors import BadParameterError, RosArgumentsError
 from doormill_ros.errors import one_line
@@ -60,13 +63,43 @@ def init(arguments: Sequence[str], handlers: SignalHandlerOptions = SignalHandle
     """
     _keep_freed_memory()
     program, *rest = list(arguments)
-    shipped = ["--ros-args", "--params-file", str(resource(NODES_FILE)), "--"]
+    with _told_of_arguments():
+        rclpy.init(args=[program, *_shipped(), *rest], signal_handler_options=handlers)
+
+
+def check_start(namespace: str) -> None:
+    """Find out whether nodes can be started here, before anything makes way for them.
+
+    Args:
+        namespace: Of the nodes, such as "/cell1"; empty: none.
+
+    Raises:
+        RosArgumentsError: ROS 2 does not take the namespace, its environment, such as its domain, or the file of
+            parameters.
+    """
+    context = Context()
+    with _told_of_arguments():
+        if namespace:
+            validate_namespace(namespace)
+        rclpy.init(args=["", *_shipped()], context=context, signal_handler_options=SignalHandlerOptions.NO)
+    context.try_shutdown()
+
+
+def _shipped() -> list[str]:
+    return ["--ros-args", "--params-file", str(resource(NODES_FILE)), "--"]
+
+
+@contextlib.contextmanager
+def _told_of_arguments() -> Iterator[None]:
+    """Say in one sentence what ROS 2 does not take."""
     try:
-        rclpy.init(args=[program, *shipped, *rest], signal_handler_options=handlers)
+        yield
     except rclpy_implementation.UnknownROSArgsError as error:
         raise RosArgumentsError(
             f"{error} after --ros-args is nothing that ROS 2 knows; correct it on the command line"
         ) from error
+    except InvalidNamespaceException as error:
+        raise RosArgumentsError(f"{error}; correct the namespace") from error
     except rclpy_implementation.RCLError as error:
         reason = one_line(_PLACE_IN_RCL.sub("", str(error)))
         raise RosArgumentsError(

@@ -94,4 +94,4 @@ class SharedDoorJudge(ManagedNode):
         self._verdict.publish(verdict_message(judged.verdict, header, placement))
         parts = judged.corrected, judged.uncorrected
         self._milled.publish(milled_message(door, *parts, TOLERANCE, header, placement))
-        self.report(OK, "door judged", door_id=placement.door_id, deviation=judged.corrected.max_deviation)
+        self.report(OK, "door judged", door_id=placement.door_id, deviation=judged.corrected.worst)

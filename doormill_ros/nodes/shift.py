@@ -31,7 +31,7 @@ def run_shift(
 
     Args:
         doors: Their ids, in order.
-        folder: Of the shift.
+        folder: Of the shift; the caller has prepared it, see `ShiftFolder.prepare`.
         options: As for one door.
         world: How the cell really is; None as the project assumes.
         effects: What the robot hides where no world is given.
@@ -43,7 +43,6 @@ def run_shift(
         WorldFileError: The world file cannot be used.
     """
     paths = ShiftFolder(folder.resolve())
-    paths.prepare()
     controller, began = switch_on(paths.controller, effects), time.time()
     shift = ShiftSummary("" if world is None else str(world))
     for number, door_id in enumerate(doors):

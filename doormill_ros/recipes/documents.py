@@ -9,6 +9,7 @@ from typing import Any
 
 import yaml
 
+from doormill_ros.files import NotUtf8, read_utf8
 from doormill_ros.recipes.errors import DuplicateField, FieldError, UnreadableFile
 from doormill_ros.recipes.reading import located
 from doormill_ros.recipes.recipe import Recipe
@@ -84,14 +85,14 @@ def read_text(path: Path) -> str:
     """The text of a file.
 
     Raises:
-        UnreadableFile: Absent, a folder, or not UTF-8.
+        UnreadableFile: Absent, no regular file, or not UTF-8.
     """
     try:
-        return path.read_text(encoding="utf-8-sig")
+        return read_utf8(path)
     except OSError as error:
         raise UnreadableFile(f"{path}: cannot be read, {error.strerror}") from error
-    except UnicodeDecodeError as error:
-        raise UnreadableFile(f"{path}: not UTF-8 text (byte {error.start}), save it as UTF-8") from error
+    except NotUtf8 as error:
+        raise UnreadableFile(f"{path}: {error}, save it as UTF-8") from error
 
 
 def load_recipe(name_or_path: str | Path) -> Recipe:

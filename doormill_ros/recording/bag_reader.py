@@ -168,6 +168,20 @@ def _files(folder: Path) -> list[Path]:
 
 def _unreadable(folder: Path, error: Exception) -> BagError:
     return UnreadableBagError(
-        f"bag {folder} cannot be read: {error}; name a folder with metadata.yaml and .mcap files",
+        f"bag {folder} cannot be read: {_lacking(folder) or error}; name a folder with metadata.yaml and .mcap files",
         folder=str(folder),
     )
+
+
+def _lacking(folder: Path) -> str:
+    """Why a place is no bag at all; empty for one that might be."""
+    try:
+        if not folder.exists():
+            return "there is no such folder"
+        if not folder.is_dir():
+            return "" if folder.suffix == ".mcap" else "it is neither a folder nor a .mcap file"
+        if not (folder / "metadata.yaml").exists() and not bag_files(folder):
+            return "it holds neither metadata.yaml nor a .mcap file"
+    except OSError:  # the error met before tells more
+        pass
+    return ""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import logging
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -23,8 +22,6 @@ from doormill_ros.values import Array, Exactly, Positive, Section, contradiction
 
 SCHEMA = "doormill/robot/1"
 _FIGURES = ("reach", "payload", "limits", "max_velocity", "stiffness")
-
-_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -74,6 +71,17 @@ class Robot:
     def unmeasured(self) -> list[str]:
         """Names of the figures that nobody measured."""
         return [name for name, origin in self.provenance.items() if not origin.measured]
+
+    @property
+    def caution(self) -> str:
+        """What to do before a real robot moves, one sentence; empty where every figure was measured."""
+        if not self.unmeasured():
+            return ""
+        figures = ", ".join(name.replace("_", " ") for name in self.unmeasured())
+        return (
+            f"{self.label}: nobody measured {figures}, its file says where each is from; that does for a simulated "
+            f"cell, before a real robot moves compare them with its manual: the robot.yaml of {self.name}"
+        )
 
 
 Joints = Annotated[FloatArray, Array((JOINTS,))]
@@ -169,13 +177,12 @@ def load_robot(name_or_path: str | Path) -> Robot:
 
 @functools.cache
 def _load(path: Path) -> Robot:
-    # Cached so that a figure nobody measured is warned of once, not once a cycle.
     content = read(path, _RobotFile, RobotDescriptionError)
     urdf = path.parent / content.urdf
     chain = read_chain(urdf)
     lower, upper = deg_to_rad(content.limits.lower), deg_to_rad(content.limits.upper)
     _check_limits(path, lower, upper, chain.lower, chain.upper)
-    robot = Robot(
+    return Robot(
         name=path.parent.name,
         label=content.label or path.parent.name,
         urdf=urdf,
@@ -191,16 +198,6 @@ def _load(path: Path) -> Robot:
         stiffness_std=None if content.stiffness.std is None else np.array(content.stiffness.std, dtype=float),
         links=content.links,
     )
-    if robot.unmeasured():
-        figures = ", ".join(name.replace("_", " ") for name in robot.unmeasured())
-        _log.warning(
-            "%s: nobody measured %s, its file says where each is from; that does for a simulated cell, before a "
-            "real robot moves compare them with its manual: %s",
-            robot.label,
-            figures,
-            path,
-        )
-    return robot
 
 
 def _table(urdf: Path, chain: Chain) -> FloatArray:

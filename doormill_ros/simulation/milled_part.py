@@ -9,6 +9,10 @@ is the tool radius less the distance to that path: positive where too much wood 
 where wood is left. It is exact for an executed path of straight stretches between its samples; an
 arc sampled every h [m] on radius r reads up to h^2 / 8 r too far inside.
 
+A floor that is not deep enough is the floor's error. Where the tool did not come down to a depth in a pocket, the wall
+is off there by the way up to what was milled, or by the way across to it if that is longer; the former is never more
+than the floor is off.
+
 The oblong hinge of the thesis is judged like every pocket: its outline is the finished wall, the
 numbered points of figure 3.24 lie a tool radius inside it.
 """
@@ -29,6 +33,8 @@ from doormill_ros.simulation.controller.executed_path import ExecutedPath
 from doormill_ros.simulation.mills import mill_radius
 
 LAYERS = (0.05, 0.275, 0.5, 0.725, 0.95)  #: fractions of the depth at which walls are measured
+#: Step upwards to a depth that was reached, fraction of the depth; every layer is a multiple of it.
+RUNG = 0.025
 CONTOUR_STEP = 2.5e-4  #: distance of measured points along an outline [m]
 PARALLEL = 0.99  #: cosine between tool and feature axis above which the tool cuts with its flank
 FLOOR_STEP = 2e-3  #: distance of measured places on the floor [m]
@@ -45,7 +51,7 @@ class FeatureResult:
 
     Attributes:
         feature: Identifier in the recipe.
-        milled: False when the tool never entered the feature.
+        milled: False when the tool never entered the feature, or left a part of a hole's way through.
         station: Way along the outline to each measured point, shape (n,) [m].
         points: The points of the recipe's outline, feature frame, shape (n, 2) [m].
         deviation: Worst deviation of all depths at each point, shape (n,) [m]; positive where too
@@ -55,7 +61,8 @@ class FeatureResult:
         floor: Smallest and largest depth of the floor less the recipe's [m]; zeros for a hole
             that goes through.
         uncleared: Area inside the outline that no tool swept [m^2].
-        region: What was milled at the deepest measured depth, feature frame.
+        region: What was milled at the deepest measured depth, or above the shallowest place of a
+            floor that is less deep; feature frame.
     """
 
     feature: str
@@ -74,6 +81,11 @@ class FeatureResult:
         """Largest magnitude of the deviation along the outline [m]."""
         return float(np.abs(self.deviation).max())
 
+    @property
+    def worst(self) -> float:
+        """Largest magnitude of the deviation of walls and floor [m]."""
+        return max(self.max_deviation, *(abs(off) for off in self.floor))
+
 
 @dataclass(frozen=True, eq=False)
 class MilledPart:
@@ -85,6 +97,11 @@ class MilledPart:
     def max_deviation(self) -> float:
         """Largest magnitude of the deviation along any outline [m]."""
         return max(result.max_deviation for result in self.features)
+
+    @property
+    def worst(self) -> float:
+        """Largest magnitude of the deviation of any wall or floor [m]."""
+        return max(result.worst for result in self.features)
 
     def feature(self, feature_id: str) -> FeatureResult:
         """The result of one feature; raises KeyError when the recipe has none of that name."""
@@ -131,22 +148,29 @@ def _measure(
         own = np.char.equal(path.feature, feature.id)
         T_feature_base = inverse(T_base_door @ recipe.T_door_feature(feature))
         ways.append(_Way(T_feature_base @ path.T_base_tool, own, path.cutting))
+    walls = _Walls(points, ways, depth, radius)
     depths = depth * np.array(LAYERS)
-    layers = [np.concatenate([way.at_depth(z) for way in ways]) for z in depths]
-    by_depth = np.array([_deviation(points, layer, radius) for layer in layers])  # (k, n)
-    milled = bool(all(len(layer) for layer in layers))
+    by_depth = np.array([walls.at(share, feature.through) for share in LAYERS])  # (k, n)
     worst = np.abs(by_depth).argmax(axis=0)
-    region = _swept(layers[-1], radius)
+    deviation = by_depth[worst, np.arange(len(points))]
+    entered = [walls.reached(share) for share in LAYERS]
     inner = shapely.Polygon(points).buffer(-CLEARED)
+    # Wood that a wall left is the wall's deviation: no floor is looked for in it, unless there is nothing else.
+    within = inner.buffer(min(0.0, float(deviation.min()) + CLEARED / 2.0))
+    within = inner if within.is_empty else within
+    floor = (0.0, 0.0) if feature.through else _floor(ways, within, depth, radius)
+    shallowest = 1.0 + floor[0] / depth
+    bottom = LAYERS[-1] if shallowest < 0.5 else min(LAYERS[-1], RUNG * np.floor(shallowest / RUNG))
+    region = _swept(walls.stretches(bottom), radius)
     return FeatureResult(
         feature=feature.id,
-        milled=milled,
+        milled=all(entered) if feature.through else entered[0],
         station=station,
         points=points,
-        deviation=by_depth[worst, np.arange(len(points))],
+        deviation=deviation,
         by_depth=by_depth,
         depths=depths,
-        floor=(0.0, 0.0) if feature.through else _floor(ways, points, depth, radius),
+        floor=floor,
         uncleared=float(inner.difference(region).area),
         region=region,
     )
@@ -214,6 +238,58 @@ class _Way:
         return np.stack([start + enter * way, start + leave * way], axis=1)
 
 
+class _Walls:
+    """The walls of one feature at any depth."""
+
+    def __init__(self, points: FloatArray, ways: Sequence[_Way], depth: float, radius: float) -> None:
+        """Take the outline, shape (n, 2) [m], the robots' paths, the recipe's depth [m] and the mill's radius [m]."""
+        self.points, self.ways, self.depth, self.radius = points, ways, depth, radius
+        self._stretches: dict[int, FloatArray] = {}
+        self._deviation: dict[int, FloatArray] = {}
+
+    def stretches(self, share: float) -> FloatArray:
+        """Stretches of all tools' axes at a fraction of the depth, shape (m, 2, 2) [m]."""
+        rung = round(share / RUNG)
+        if rung not in self._stretches:
+            z = self.depth * RUNG * rung
+            self._stretches[rung] = np.concatenate([way.at_depth(z) for way in self.ways])
+        return self._stretches[rung]
+
+    def reached(self, share: float) -> bool:
+        """Whether a tool was anywhere so deep."""
+        return len(self.stretches(share)) > 0
+
+    def at(self, share: float, through: bool) -> FloatArray:
+        """Deviation of each point at a fraction of the depth, shape (n,) [m].
+
+        Args:
+            share: The fraction.
+            through: Whether the feature has no floor: whatever stands there is the wall's.
+        """
+        result = self._straight(share).copy()
+        if through or not self.reached(LAYERS[0]):
+            return result
+        # To what was milled leads a way up and one across, of which the longer counts: a floor that is less
+        # deep than the recipe's, or in a part of the pocket, is not told as a wall that is further off than it.
+        shortest = np.maximum(-result, 0.0)
+        for rung in range(1, round((share - LAYERS[0]) / RUNG) + 1):
+            up = self.depth * RUNG * rung
+            if up >= shortest.max():
+                break
+            above = self._straight(share - RUNG * rung)
+            longer = np.maximum(up, -above)
+            nearer = longer < shortest
+            shortest[nearer] = longer[nearer]
+            result[nearer] = -longer[nearer]
+        return result
+
+    def _straight(self, share: float) -> FloatArray:
+        rung = round(share / RUNG)
+        if rung not in self._deviation:
+            self._deviation[rung] = _deviation(self.points, self.stretches(share), self.radius)
+        return self._deviation[rung]
+
+
 def _deviation(points: FloatArray, stretches: FloatArray, radius: float) -> FloatArray:
     """Tool radius less the distance of each point to the nearest stretch, shape (n,) [m]."""
     if not len(stretches):
@@ -236,15 +312,15 @@ def _swept(stretches: FloatArray, radius: float) -> shapely.Geometry:
     return shapely.buffer(shapely.simplify(lines, 1e-7), radius, quad_segs=DISC_SEGMENTS)
 
 
-def _floor(ways: Sequence[_Way], outline: FloatArray, depth: float, radius: float) -> tuple[float, float]:
-    """Smallest and largest depth of the finished floor, less the recipe's [m].
+def _floor(ways: Sequence[_Way], inner: shapely.Geometry, depth: float, radius: float) -> tuple[float, float]:
+    """Smallest and largest depth of the finished floor in a region, less the recipe's [m].
 
     At a place of the floor the deepest tip counts that ever covered it. Only motions along the
     floor are looked at: the way down and the way out leave no floor behind.
     """
     tips = np.concatenate([way.floor_tips() for way in ways])
     tips = tips[np.argsort(-tips[:, 2])]  # deepest first
-    places = _grid(outline)
+    places = _grid(inner)
     found = np.full(len(places), -depth)
     open_ = np.arange(len(places))
     for chunk in np.array_split(tips, max(1, len(tips) // FLOOR_CHUNK)):
@@ -257,9 +333,8 @@ def _floor(ways: Sequence[_Way], outline: FloatArray, depth: float, radius: floa
     return float(found.min()), float(found.max())
 
 
-def _grid(outline: FloatArray) -> FloatArray:
-    """Places on the floor, FLOOR_STEP apart, inside the outline less CLEARED, shape (n, 2) [m]."""
-    inner = shapely.Polygon(outline).buffer(-CLEARED)
+def _grid(inner: shapely.Geometry) -> FloatArray:
+    """Places on the floor, FLOOR_STEP apart, inside a region, shape (n, 2) [m]."""
     low_x, low_y, high_x, high_y = inner.bounds
     x = np.linspace(low_x, high_x, max(3, round((high_x - low_x) / FLOOR_STEP)))
     y = np.linspace(low_y, high_y, max(3, round((high_y - low_y) / FLOOR_STEP)))

@@ -9,6 +9,7 @@ from pathlib import Path
 from doormill_ros.backup.restore import take_back
 from doormill_ros.backup.site import alone, make_backup
 from doormill_ros.errors import DoormillError
+from doormill_ros.interrupts import interruptible
 from doormill_ros.tools.command_line import OneLineParser
 from doormill_ros.tools.site_options import add_site, chosen_site
 
@@ -21,6 +22,7 @@ def parser() -> argparse.ArgumentParser:
     return top
 
 
+@interruptible
 def main(argv: list[str] | None = None) -> int:
     """Run the tool.
 

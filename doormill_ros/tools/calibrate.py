@@ -15,6 +15,7 @@ import numpy as np
 
 from doormill_ros.arrays import ByteArray
 from doormill_ros.errors import DoormillError
+from doormill_ros.interrupts import interruptible
 from doormill_ros.localization.calibration.camera_file import read_document, with_marks, write_document
 from doormill_ros.localization.calibration.errors import BadCalibrationFile
 from doormill_ros.localization.calibration.lens_check import check_lens
@@ -32,6 +33,7 @@ from doormill_ros.units import m_to_mm, mm_to_m
 MOST_RADIAL = 1e6  # what was ever printed of a lens is far below
 
 
+@interruptible
 def main(argv: list[str] | None = None) -> int:
     """Run one command; 0 when it was done, 1 when a check failed, 2 for bad input."""
     parser = _parser()

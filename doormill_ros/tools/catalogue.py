@@ -14,7 +14,9 @@ from doormill_ros.catalogue.needs import monitor_folders
 from doormill_ros.catalogue.rebuild import rebuild
 from doormill_ros.catalogue.retention import Judged, Retention, judge, retain
 from doormill_ros.catalogue.run import CatalogueRow
+from doormill_ros.cell.inspection import outcome
 from doormill_ros.errors import DoormillError
+from doormill_ros.interrupts import interruptible
 from doormill_ros.recipes.store.engine import check_file
 from doormill_ros.tools.command_line import OneLineParser, add_database
 from doormill_ros.units import bytes_to_gigabytes, m_to_mm, ns_to_s, s_to_ns
@@ -70,6 +72,7 @@ def parser() -> argparse.ArgumentParser:
     return top
 
 
+@interruptible
 def main(argv: list[str] | None = None) -> int:
     """Run the tool.
 
@@ -107,9 +110,8 @@ def _list(catalogue: Catalogue, arguments: argparse.Namespace) -> int:
 def _line(row: CatalogueRow) -> str:
     run = row.run
     begun = "" if run.begun_ns is None else _moment(run.begun_ns)
-    outcome = (
-        "not ended" if run.success is None else "milled" if run.success else f"refused ({run.error_code})"
-    )
+    ended = run.success is not None
+    came_to = outcome(bool(run.success), run.error_code, run.measured) if ended else "not ended"
     deviation = "" if run.deviation is None else f"{m_to_mm(run.deviation):.3f}"
     recipe = f"{run.recipe_version} {run.recipe_digest[:12]}" if run.recipe_digest else ""
     inspection = "" if row.inspection is None else row.inspection.inspection
@@ -119,7 +121,7 @@ def _line(row: CatalogueRow) -> str:
             run.run_id,
             run.door_id,
             begun,
-            outcome,
+            came_to,
             recipe,
             run.robot_model,
             run.model_version,

@@ -7,13 +7,14 @@ import itertools
 import signal
 import sys
 from contextlib import nullcontext
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from doormill_ros.cell.errors import BadParameterError
+from doormill_ros.cell.errors import BadParameterError, RosArgumentsError
 from doormill_ros.cell.run_folder import point_latest
-from doormill_ros.interrupts import die_of_interrupts, interrupt_once
+from doormill_ros.interrupts import die_of_interrupts, interrupt_once, interruptible
 from doormill_ros.tools.cell_options import parse
 
 if TYPE_CHECKING:
@@ -28,6 +29,7 @@ LATEST = Path("out/latest")
 Parameters = dict[str, dict[str, object]]
 
 
+@interruptible
 def main(arguments: list[str] | None = None) -> int:
     """Run; 0 for a milled door, 3 for one out of tolerance, 1 for one refused or not measured, 2 for a bad option."""
     alone = arguments is None  # the process is this command
@@ -39,7 +41,7 @@ def main(arguments: list[str] | None = None) -> int:
     mill = _mill_door if options.doors is None else _mill_shift
     try:
         return mill(options, parameters, alone)
-    except BadParameterError as refused:  # such as of --offset or --out
+    except (BadParameterError, RosArgumentsError) as refused:  # such as of --out
         print(f"cell: {refused.message}", file=sys.stderr)
         return 2
 
@@ -63,6 +65,7 @@ def _mill_door(options: argparse.Namespace, parameters: Parameters, alone: bool)
     from doormill_ros.cell.inspection import OUT_OF_TOLERANCE
     from doormill_ros.errors import DoormillError
     from doormill_ros.nodes.cell import CellOptions, run_once
+    from doormill_ros.nodes.recipe_database import check_doors
     from doormill_ros.pages.charts import import_matplotlib
     from doormill_ros.pipeline.plan import load_setup
     from doormill_ros.recording.errors import BagError
@@ -85,22 +88,24 @@ def _mill_door(options: argparse.Namespace, parameters: Parameters, alone: bool)
     cell = CellOptions(
         parameters,
         options.ui is not None,
-        _keys(options),
-        options.namespace,
+        namespace=options.namespace,
         sensors=tuple(options.sensor),
         robots=options.robots,
     )
-    try:  # a node that cannot use its file would be waited for until the run's limit
+    try:  # what a node cannot use would be waited for until the run's limit, and the run before be gone
         if options.robot_model:
             load_setup(model=str(Path(options.robot_model).resolve()))
         if options.effects:
             load_effects(Path(options.effects))
+        cell.check()
+        check_doors(options.door)
     except DoormillError as error:
         print(f"cell: {error.message}", file=sys.stderr)
         return 2
     if alone:
         import_matplotlib()
         interrupt_once(ENDING)
+    cell = replace(cell, token=_keys(options))
     summary = run_once(options.door[0], folder, cell, progress, milled)
     unreported = ""
     try:
@@ -169,8 +174,10 @@ def _mill_shift(options: argparse.Namespace, parameters: Parameters, alone: bool
     from doormill_ros.errors import DoormillError
     from doormill_ros.nodes.cell import CellOptions
     from doormill_ros.nodes.monitor_beside import ModelMonitorBeside
+    from doormill_ros.nodes.recipe_database import check_doors
     from doormill_ros.nodes.shift import run_shift
     from doormill_ros.pages.charts import import_matplotlib
+    from doormill_ros.pipeline.plan import load_setup
     from doormill_ros.report.run_report import write_report
     from doormill_ros.simulation.robot_cell import load_effects
     from doormill_ros.simulation.world.world_file import load_world
@@ -182,21 +189,26 @@ def _mill_shift(options: argparse.Namespace, parameters: Parameters, alone: bool
         write_report(Path(summary.bag), Path(summary.report))
         print(f"[{number + 1}/{len(doors)}] {summary.message}", file=sys.stderr, flush=True)
 
+    if options.monitor:
+        parameters["controller_simulator"] = {"gauged": True}
+    cell = CellOptions(parameters, namespace=options.namespace, sensors=tuple(options.sensor))
     try:
+        if options.robot_model:
+            load_setup(model=str(Path(options.robot_model).resolve()))
         if options.world:
             world = load_world(options.world)
             for number in range(len(doors)):
                 world.door(number)
         effects = load_effects(Path(options.effects)) if options.effects else ()
+        cell.check()
+        check_doors(doors)
     except DoormillError as error:
         print(f"cell: {error.message}", file=sys.stderr)
         return 2
-    if options.monitor:
-        parameters["controller_simulator"] = {"gauged": True}
-    cell = CellOptions(parameters, namespace=options.namespace, sensors=tuple(options.sensor))
     if alone:
         import_matplotlib()
         interrupt_once(ENDING)
+    ShiftFolder(folder.resolve()).prepare(len(doors))
     with ModelMonitorBeside(folder, cell) if options.monitor else nullcontext() as beside:
         shift = run_shift(doors, folder, cell, options.world, effects, milled)
         state, runs = (

@@ -16,6 +16,12 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     """Read the command line; a wrong one ends the process with status 2."""
     parser = _parser()
     options = parser.parse_args(arguments)
+    if not options.door:
+        if options.doors is None:
+            parser.error(
+                "the following arguments are required: --door (with --doors N: the shipped recipes in turn)"
+            )
+        options.door = _shipped()
     if options.doors is None and (options.world or len(options.door) > 1):
         options.doors = len(options.door)
     _check(parser, options)
@@ -26,10 +32,11 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="cell", description=DESCRIPTION)
     parser.add_argument(
         "--door",
-        required=True,
         action="append",
+        default=[],
         metavar="ID",
-        help="door to mill, for example standard_door; for a shift again and again, taken in turn",
+        help="door to mill, for example standard_door; for a shift again and again, taken in turn; with --doors it may "
+        "be left out for the shipped recipes in turn",
     )
     parser.add_argument(
         "--doors", type=int, metavar="N", help="mill a shift of N doors, each with bag and inspection"
@@ -94,6 +101,13 @@ def _parser() -> argparse.ArgumentParser:
         help="print a second token, with which models are put in use and the audit log is read as well",
     )
     return parser
+
+
+def _shipped() -> list[str]:
+    """Doors whose recipes ship, in the order of their ids."""
+    from doormill_ros.recipes.documents import shipped_recipes
+
+    return sorted(shipped_recipes())
 
 
 def _check(parser: argparse.ArgumentParser, options: argparse.Namespace) -> None:

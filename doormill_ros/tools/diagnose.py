@@ -17,10 +17,12 @@ from rich.console import Console
 from doormill_ros.diagnosis import kinds
 from doormill_ros.diagnosis.runs.limits import MOST
 from doormill_ros.errors import DoormillError
+from doormill_ros.interrupts import interruptible
 
 SPRINGS = "springs"  #: for --in-use: no model.yaml, the robot's own springs
 
 
+@interruptible
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the tool; 0 for every verdict, 2 for data that cannot be read and results that cannot be written."""
     parser = argparse.ArgumentParser(prog="diagnose", description=__doc__)

@@ -6,6 +6,7 @@ import argparse
 import re
 import sys
 
+from doormill_ros.interrupts import interruptible
 from doormill_ros.tools.command_line import OneLineParser
 
 READY, NOT_READY = 0, 1
@@ -40,6 +41,7 @@ def _seconds(text: str) -> float:
     return seconds
 
 
+@interruptible
 def main(argv: list[str] | None = None) -> int:
     """Run the tool; 0 for a cell that is ready, 1 with a line for each hindrance, 2 for a wrong command line."""
     options = parser().parse_args(argv)

@@ -20,6 +20,7 @@ import numpy as np
 from doormill_ros.errors import DoormillError
 from doormill_ros.identification.milling_log import ProcessForces, process_forces_of
 from doormill_ros.identification.outcome import Outcome, add_preload, outcome_of_loadings
+from doormill_ros.interrupts import interruptible
 from doormill_ros.tools.command_line import OneLineParser
 
 
@@ -37,6 +38,7 @@ def parser() -> argparse.ArgumentParser:
     return top
 
 
+@interruptible
 def main(argv: list[str] | None = None) -> int:
     """Run the tool.
 

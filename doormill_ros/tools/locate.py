@@ -22,6 +22,7 @@ from doormill_ros.cell.layout import load_layout
 from doormill_ros.errors import DoormillError
 from doormill_ros.files import write_atomically
 from doormill_ros.frames import BASE_FRAME
+from doormill_ros.interrupts import interruptible
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.errors import LocalizationError
 from doormill_ros.localization.overlay import draw_overlay, draw_refusal
@@ -87,6 +88,7 @@ def _length(text: str) -> float:
     return length
 
 
+@interruptible
 def main(argv: list[str] | None = None) -> int:
     """Run the tool.
 

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 from doormill_ros.errors import DoormillError
+from doormill_ros.interrupts import interruptible
 from doormill_ros.recipes.documents import to_json, to_yaml
 from doormill_ros.recipes.drawing import draw_recipe
 from doormill_ros.recipes.errors import UnknownFileType
@@ -57,6 +58,7 @@ def parser() -> argparse.ArgumentParser:
     return top
 
 
+@interruptible
 def main(argv: list[str] | None = None) -> int:
     """Run the tool.
 

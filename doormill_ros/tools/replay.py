@@ -8,6 +8,7 @@ from functools import partial
 from pathlib import Path
 
 from doormill_ros.errors import DoormillError
+from doormill_ros.interrupts import interruptible
 from doormill_ros.recording.accepted import accept_bag, accepted_bags
 from doormill_ros.tools.command_line import counted
 
@@ -37,7 +38,7 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
         action="store_true",
         help="every bag in these folders, by as many processes as there are cores",
     )
-    parser.add_argument("--workers", type=int, default=0, metavar="N", help="of --many: processes")
+    parser.add_argument("--workers", type=int, metavar="N", help="of --many: processes")
     parser.add_argument(
         "--scheduler",
         default="",
@@ -45,7 +46,7 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
         help="of --many: workers of a Dask scheduler, tcp://HOST:8786",
     )
     parser.add_argument("--live", action="store_true", help="send the inputs to the nodes over DDS")
-    parser.add_argument("--rate", type=_rate, default=1.0, help="of --live: times recorded speed, or max")
+    parser.add_argument("--rate", type=_rate, help="of --live: times recorded speed, or max; default: 1")
     parser.add_argument("--update", action="store_true", help="let today's answers be the expectation")
     parser.add_argument(
         "--accept",
@@ -65,7 +66,9 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     options = parser.parse_args(arguments)
     if options.live and options.update:
         parser.error("--update compares offline; leave out --live")
-    if not options.many and (options.workers or options.scheduler):
+    if not options.live and options.rate is not None:
+        parser.error("--rate belongs to --live: add it")
+    if not options.many and (options.workers is not None or options.scheduler):
         parser.error("--workers and --scheduler belong to --many: add it")
     if options.many and (options.live or options.update or options.all):
         parser.error("--many tells a line a bag: leave out --live, --update and --all")
@@ -73,8 +76,10 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
         parser.error("--accept copies bags that are equal as they are: leave out --many and --update")
     if options.accept and not options.bags:
         parser.error("--accept wants the bags that are to be accepted: name them")
-    if options.workers < 0 or (options.workers and options.scheduler):
+    if options.workers is not None and (options.workers < 1 or options.scheduler):
         parser.error("--workers is a positive number of processes here; leave it out with --scheduler")
+    options.workers = options.workers or 0  # as many as there are cores
+    options.rate = options.rate or 1.0
     return options
 
 
@@ -157,6 +162,7 @@ def _replay_many(options: argparse.Namespace) -> int:
     return DIFFERENT if found[DIFFERENT_WORD] else UNREADABLE if found[UNREADABLE_WORD] else EQUAL
 
 
+@interruptible
 def main(arguments: list[str] | None = None) -> int:
     """Replay; 0 when all is equal, 1 when something differs, 2 when a bag or a run cannot be replayed."""
     options = parse(arguments)
@@ -166,6 +172,11 @@ def main(arguments: list[str] | None = None) -> int:
             from doormill_ros.recipes.store.engine import check_file
 
             check_file(options.database)
+        if options.robot_model:
+            from doormill_ros.pipeline.plan import load_setup
+
+            # Every bag would differ for it.
+            load_setup(model=options.robot_model)
     except DoormillError as error:
         print(f"replay: {error.message}", file=sys.stderr)
         return UNREADABLE

@@ -7,8 +7,10 @@ import sys
 from pathlib import Path
 
 from doormill_ros.errors import DoormillError
+from doormill_ros.interrupts import interruptible
 
 
+@interruptible
 def main(arguments: list[str] | None = None) -> int:
     """Write the page; 2 when the bag cannot be read or the page not written."""
     parser = argparse.ArgumentParser(prog="report", description=__doc__)

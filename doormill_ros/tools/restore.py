@@ -10,6 +10,7 @@ from doormill_ros.backup.archive import read_archive
 from doormill_ros.backup.restore import restore, take_back
 from doormill_ros.backup.site import alone
 from doormill_ros.errors import DoormillError
+from doormill_ros.interrupts import interruptible
 from doormill_ros.tools.command_line import OneLineParser
 from doormill_ros.tools.site_options import add_site, chosen_site
 
@@ -23,6 +24,7 @@ def parser() -> argparse.ArgumentParser:
     return top
 
 
+@interruptible
 def main(argv: list[str] | None = None) -> int:
     """Run the tool.
 

@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from doormill_ros.errors import DoormillError
+from doormill_ros.interrupts import interruptible
 
 
 def identify(out: Path) -> list[str]:
@@ -43,6 +44,7 @@ def contradictions() -> list[str]:
     return [str(one) for one in find_contradictions(data, recover(data))]
 
 
+@interruptible
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the tool; 2 when a file cannot be read or written."""
     parser = argparse.ArgumentParser(

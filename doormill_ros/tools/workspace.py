@@ -15,6 +15,8 @@ from rich.progress import Progress
 
 from doormill_ros.cell.layout import CellLayout, load_layout
 from doormill_ros.errors import DoormillError
+from doormill_ros.files import write_atomically
+from doormill_ros.interrupts import interruptible
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.robot.description import Robot, load_robot
 from doormill_ros.toolpath.settings import load_settings
@@ -48,6 +50,7 @@ TABLE_4_6 = (
 )
 
 
+@interruptible
 def main(argv: list[str] | None = None) -> int:
     """Run the tool; 0 when everything was written, 2 for bad input."""
     arguments = _parser().parse_args(argv)
@@ -66,22 +69,30 @@ def main(argv: list[str] | None = None) -> int:
         grids = [thesis_grid(robot, arguments.step, along) for along in (False, True)]
         arguments.out.mkdir(parents=True, exist_ok=True)
     except (DoormillError, ValueError, OSError) as error:
-        print(f"workspace: {error}", file=sys.stderr)
+        print(_refusal(error, arguments.out), file=sys.stderr)
         return 2
     with Progress(console=Console(stderr=True), transient=False) as progress:
         try:
             document = _maps(robot, grids, arguments.out, progress)
             document |= _region(robot, doors, arguments, progress)
+            write_atomically(
+                arguments.out / "workspace.json",
+                json.dumps({"schema": SCHEMA, "robot": robot.name, **document}, indent=2) + "\n",
+            )
         except (DoormillError, ValueError, OSError) as error:
-            print(f"workspace: {error}", file=sys.stderr)
+            print(_refusal(error, arguments.out), file=sys.stderr)
             return 2
-    path = arguments.out / "workspace.json"
-    path.write_text(
-        json.dumps({"schema": SCHEMA, "robot": robot.name, **document}, indent=2) + "\n", encoding="utf-8"
-    )
     _report(robot, document, arguments.clamp_height * MM + doors.hinge_end)
     print(arguments.out)
     return 0
+
+
+def _refusal(error: Exception, out: Path) -> str:
+    """What is said of bad input, or of a folder that cannot be written to."""
+    if not isinstance(error, OSError):
+        return f"workspace: {error}"
+    reason = "a file is in the way" if isinstance(error, FileExistsError) else error.strerror or error
+    return f"workspace: {error.filename or out} cannot be used, {reason}; name another --out"
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -41,7 +41,7 @@ def inspection(folder: Path, run_id: str, named: str | None) -> Path:
     return folder
 
 
-@pytest.mark.parametrize("named", [None, "../moved_away"])
+@pytest.mark.parametrize("named", [None, "moved_away"])
 def test_a_bag_that_is_not_named_or_not_there_is_found_by_the_run(tmp_path, catalogued, named):
     folder = inspection(tmp_path / "one", "run-7", named)
     assert read_inspection(folder, known_bag).bag == catalogued
@@ -53,7 +53,7 @@ def test_a_bag_that_is_named_and_there_is_the_one(tmp_path, catalogued):
     assert read_inspection(folder, known_bag).bag == folder / "bag"
 
 
-@pytest.mark.parametrize(("run_id", "named"), [("run-8", None), ("run-9", None), ("run-9", "../moved_away")])
+@pytest.mark.parametrize(("run_id", "named"), [("run-8", None), ("run-9", None), ("run-9", "moved_away")])
 def test_a_bag_that_nobody_knows_is_asked_for(tmp_path, catalogued, run_id, named):
     folder = inspection(tmp_path / "one", run_id, named)
     with pytest.raises(DataSetError, match=f"no bag of run '{run_id}' is known to the catalogue"):

@@ -1,5 +1,7 @@
 """Measurement sets: what is read is what was written, and every fault is named with file, line and column."""
 
+import os
+
 import numpy as np
 import pytest
 import yaml
@@ -134,8 +136,73 @@ def test_files_that_are_missing_or_no_text(tmp_path):
         read_measurement_set(tmp_path)
     write(tmp_path)
     (tmp_path / "trials.csv").write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(DataFileError, match=r"trials\.csv"):
+    with pytest.raises(DataFileError, match=r"trials\.csv: line 1, column 1: is no UTF-8 text"):
         read_measurement_set(tmp_path)
+    (tmp_path / "trials.csv").write_bytes(b"")
+    with pytest.raises(
+        TrialTableError, match=r"trials\.csv: line 1, column trial: the file is empty, it needs a header"
+    ):
+        read_measurement_set(tmp_path)
+
+
+@pytest.mark.parametrize("name", ["set.yaml", "trials.csv"])
+@pytest.mark.parametrize("mark", [b"", b"\xef\xbb\xbf"])
+def test_the_first_byte_that_is_no_text_is_told_by_its_place(tmp_path, name, mark):
+    write(tmp_path)
+    text = (tmp_path / name).read_bytes().split(b"\n")
+    text[1] = "3 µm, ".encode() + b"gr\xfc\xdfe" + text[1]
+    (tmp_path / name).write_bytes(mark + b"\n".join(text))
+    with pytest.raises(
+        DataFileError, match=rf"{name}: line 2, column 9: is no UTF-8 text \(.*\), save it as UTF-8"
+    ):
+        read_measurement_set(tmp_path)
+
+
+@pytest.mark.timeout(60)
+@pytest.mark.parametrize("name", ["set.yaml", "trials.csv"])
+def test_what_never_ends_is_not_read(tmp_path, name):
+    """A pipe that nobody writes into, a device, and links to them."""
+    for make in (os.mkfifo, lambda path: path.symlink_to("/dev/zero")):
+        write(tmp_path)
+        (tmp_path / name).unlink()
+        make(tmp_path / name)
+        with pytest.raises(
+            DataFileError, match=r"cannot be opened \(a pipe, a device or a socket, not a regular file\)"
+        ):
+            read_measurement_set(tmp_path)
+        (tmp_path / name).unlink()
+    write(tmp_path)
+    (tmp_path / name).rename(tmp_path / "elsewhere")
+    (tmp_path / name).symlink_to("elsewhere")
+    assert len(read_measurement_set(tmp_path)) == 2
+
+
+@pytest.mark.parametrize("value", ["[irb6600_175_255]", "{name: irb6600_175_255}"])
+def test_a_list_is_no_name(tmp_path, value):
+    with pytest.raises(
+        SetDescriptionError, match=r"line 2, column 8: robot is a (list|mapping), allowed is text"
+    ):
+        read_measurement_set(write(tmp_path, text=SET.replace("irb6600_175_255", value, 1)))
+
+
+@pytest.mark.timeout(60)
+def test_lists_of_aliases_that_multiply_are_refused(tmp_path):
+    levels = [f"a{k}: &a{k} [{', '.join([f'*a{k - 1}'] * 9)}]" for k in range(1, 13)]
+    bomb = "\n".join(["a0: &a0 [x, x, x, x, x, x, x, x, x]", *levels, "source: *a12", SET])
+    with pytest.raises(SetDescriptionError, match="its aliases repeat more than the allowed 20000 values"):
+        read_measurement_set(write(tmp_path, text=bomb))
+    with pytest.raises(SetDescriptionError, match="an alias stands inside what it names"):
+        read_measurement_set(write(tmp_path, text=f"round: &a [*a]\n{SET}"))
+
+
+def test_an_alias_may_repeat_a_value(tmp_path):
+    text = SET.replace("load_point: [", "load_point: &tip [").replace(
+        "position: [0.05, 0.0, 0.18]", "position: *tip"
+    )
+    text = text.replace("reflectors:", "more: &more {}\nreflectors:")
+    ordered = text.replace("reflectors:", f"many: [{', '.join(['*more'] * 5000)}]\nreflectors:")
+    data = read_measurement_set(write(tmp_path, text=ordered))
+    assert np.array_equal(data.reflectors["ee"].position, data.load_point)
 
 
 @settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])

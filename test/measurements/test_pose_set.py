@@ -5,8 +5,10 @@ import pytest
 import yaml
 
 from doormill_ros.diagnosis.pose.kind import Poses
+from doormill_ros.errors import DataSetError
 from doormill_ros.measurements.errors import PoseTableError, TrialTableError
 from doormill_ros.measurements.pose_set import placement_owners, read_pose_set
+from doormill_ros.robot_model.pose.link_masses import published_masses
 from doormill_ros.tools.diagnose import main
 
 
@@ -60,6 +62,8 @@ def test_a_series_of_fewer_rows_than_blocks_is_checked_but_not_diagnosed(folder,
         assert f"poses.csv: line {rows + 1}, column row: the table holds {rows} rows" in message
         assert "needs 10 at least" in message
         assert not (tmp_path / "out").exists()
+    for line in (2, 3, 4):
+        cell(few, line, "placement", "1")
     Poses().check_together([read_pose_set(folder)], [read_pose_set(few)])
 
 
@@ -182,3 +186,50 @@ class TestPositionsAlone:
         (folder / "poses.csv").write_text("\n".join(table) + "\n")
         with pytest.raises(PoseTableError, match=r"column q7: model\.dh has 6 rows"):
             read_pose_set(folder)
+
+
+def rewrite(folder, **model):
+    described = yaml.safe_load((folder / "set.yaml").read_text())
+    described["model"] |= model
+    (folder / "set.yaml").write_text(yaml.safe_dump(described))
+    return described["model"]
+
+
+@pytest.mark.parametrize("links", [None, [], [None] * 6])
+def test_links_of_which_nothing_is_known_count_as_left_out(folder, links):
+    rewrite(folder, links=links)
+    assert read_pose_set(folder).links == ()
+    assert read_pose_set(folder).view.links == ()
+
+
+def test_a_link_that_is_not_known_has_its_published_mass(folder):
+    links = rewrite(folder)["links"]
+    rewrite(folder, links=[*links[:2], None, *links[3:]])
+    with pytest.raises(
+        DataSetError, match=r"knows nothing of link 3, and nobody published the masses of invented"
+    ):
+        read_pose_set(folder)
+    edit(folder / "set.yaml", "robot: invented", "robot: ur10")
+    found = read_pose_set(folder).links
+    published = published_masses("ur10")
+    assert (found[2].mass, found[2].com.tolist()) == (published[2].mass, published[2].com.tolist())
+    assert [link.mass for k, link in enumerate(found) if k != 2] == [
+        link["mass"] for k, link in enumerate(links) if k != 2
+    ]
+
+
+def test_too_few_links_are_refused(folder):
+    links = rewrite(folder)["links"]
+    for few in (links[:3], [*links[:2], None], {"mass": 1.0}, 7):
+        rewrite(folder, links=few)
+        with pytest.raises(
+            DataSetError, match=r"model\.links needs 6 entries .*, null for a link that is not known"
+        ):
+            read_pose_set(folder)
+
+
+def test_a_list_is_no_source(folder):
+    described = yaml.safe_load((folder / "set.yaml").read_text())
+    (folder / "set.yaml").write_text(yaml.safe_dump(described | {"source": ["a lab", "a licence"]}))
+    with pytest.raises(DataSetError, match=r"source is a list, allowed is text"):
+        read_pose_set(folder)

@@ -143,3 +143,9 @@ def test_places_in_millimetres(loading, keys):
         ".".join(keys),
         "write metres",
     )
+
+
+def test_the_turn_of_a_sensor_in_degrees_is_refused(loading):
+    (loading / "set.yaml").write_text(yaml.safe_dump(LOADING | {"wrench_frame_rotation": 44.05}))
+    with pytest.raises(DataSetError, match=r"wrench_frame_rotation is 44\.05.*are these degrees"):
+        read_measurement_set(loading)

@@ -17,6 +17,7 @@ import yaml
 from action_msgs.msg import GoalStatus
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.action import ActionServer
+from rclpy.lifecycle import TransitionCallbackReturn
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rosbags.rosbag2 import Reader
@@ -25,6 +26,7 @@ from std_msgs.msg import Bool
 from doormill_interfaces.action import MillDoor
 from doormill_ros.catalogue.database import Catalogue
 from doormill_ros.catalogue.rebuild import rebuild
+from doormill_ros.cell.errors import BadParameterError
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.bag_recorder import BagRecorder
 from doormill_ros.nodes.goal_client import GoalClient
@@ -39,7 +41,7 @@ SMALLEST_QUEUE = 1 << 20  # bytes
 class Recording:
     """A recorder and a node beside it, spinning."""
 
-    def __init__(self, folder: Path, **parameters: Any) -> None:
+    def __init__(self, folder: Path, /, **parameters: Any) -> None:
         rclpy.init()
         overrides = {"bag": str(folder), **parameters}
         self.recorder = BagRecorder(parameter_overrides=[Parameter(k, value=v) for k, v in overrides.items()])
@@ -269,3 +271,23 @@ def test_as_ros2_bag_does_it_leaves_hidden_topics_out_unless_told(record: Callab
     assert not is_recorded(recording, FEEDBACK)
     assert not is_recorded(recording, STATUS)
     server.destroy()
+
+
+@pytest.mark.parametrize("parameter", ["bag", "folder"])
+def test_a_folder_that_cannot_be_made_is_one_sentence(
+    record: Callable[..., Recording], capfd: pytest.CaptureFixture[str], tmp_path: Path, parameter: str
+) -> None:
+    (tmp_path / "file").touch()
+    place = tmp_path / "file" / "below"
+    recording = record(**{"autostart": False, "bag": "", "catalogue": "none", parameter: str(place)})
+    assert recording.recorder.trigger_configure() == TransitionCallbackReturn.FAILURE
+    assert recording.recorder.trigger_configure() == TransitionCallbackReturn.FAILURE
+    said = capfd.readouterr().err
+    assert "Traceback" not in said
+    assert said.count("could not configure") == 1  # however often it is tried
+    assert f"could not configure: nothing can be recorded into {place}: Not a directory; " in said
+    assert f"correct the parameter {parameter}, or make way" in said
+    assert recording.recorder._health[2] == {"error_code": BadParameterError.code}
+    # Once there is room, it is made.
+    (tmp_path / "file").unlink()
+    assert recording.recorder.trigger_configure() == TransitionCallbackReturn.SUCCESS

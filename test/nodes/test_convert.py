@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import shapely
 from rclpy.serialization import deserialize_message, serialize_message
 from scipy.spatial.transform import Rotation
 from std_msgs.msg import Header
@@ -17,7 +18,7 @@ from visualization_msgs.msg import Marker
 from doormill_interfaces.msg import DoorPlacement, TargetArray
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.messages.from_message import program_of, transform_of
-from doormill_ros.nodes.convert.executed import executed_message, executed_of
+from doormill_ros.nodes.convert.executed import executed_message, executed_of, milled_message
 from doormill_ros.nodes.convert.geometry import path_message
 from doormill_ros.nodes.convert.markers import body_markers, program_markers
 from doormill_ros.nodes.convert.program import Nested, program_into
@@ -28,6 +29,7 @@ from doormill_ros.robot.bodies import Body
 from doormill_ros.robot.configuration import ConfData
 from doormill_ros.robot.description import load_robot
 from doormill_ros.simulation.controller.executed_path import ExecutedPath
+from doormill_ros.simulation.milled_part import FeatureResult, MilledPart
 from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target
 from doormill_ros.toolpath.settings import load_settings
 
@@ -244,3 +246,20 @@ def test_an_executed_path_comes_back_as_it_was() -> None:
         np.testing.assert_array_equal(getattr(back, name), getattr(path, name))
     for name in ("time", "T_base_tool", "T_base_tool_commanded", "q", "wrench"):
         np.testing.assert_allclose(getattr(back, name), getattr(path, name), rtol=0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("floor", [(-3e-4, 1e-5), (-1e-5, 3e-4)])
+def test_a_floor_counts_as_much_as_a_wall(floor: tuple[float, float]) -> None:
+    recipe = shipped_recipes()["thesis_190_0deg"]
+
+    def part(floor: tuple[float, float]) -> MilledPart:
+        line, walls = np.arange(2.0), np.array([1e-4, -2e-4])
+        shape = {"station": line, "points": np.zeros((2, 2)), "deviation": walls, "by_depth": walls[None]}
+        rest = {"depths": np.zeros(1), "floor": floor, "uncleared": 0.0, "region": shapely.Polygon()}
+        return MilledPart(
+            tuple(FeatureResult(feature=f.id, milled=True, **shape, **rest) for f in recipe.features)
+        )
+
+    message = milled_message(recipe, part(floor), part((-9e-4, 0.0)), 5e-4, Header(), DoorPlacement())
+    assert (message.corrected_max, message.uncorrected_max) == (3e-4, 9e-4)
+    assert {(f.corrected_max, f.uncorrected_max) for f in message.features} == {(3e-4, 9e-4)}

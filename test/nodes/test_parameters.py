@@ -14,9 +14,10 @@ from rclpy.lifecycle import TransitionCallbackReturn
 from rclpy.parameter import Parameter
 
 from doormill_ros.cell.errors import BadParameterError
-from doormill_ros.nodes.abb_bridge import AbbBridge
+from doormill_ros.nodes.abb_bridge import AbbBridge, caution_of
 from doormill_ros.nodes.camera_simulator import CameraSimulator
 from doormill_ros.nodes.cell import NODES
+from doormill_ros.nodes.chosen_values import check_values
 from doormill_ros.nodes.controller_simulator import ControllerSimulator
 from doormill_ros.nodes.door_localizer import DoorLocalizer
 from doormill_ros.nodes.managed_node import ManagedNode
@@ -197,7 +198,7 @@ def test_a_node_hears_of_a_live_change_until_it_is_cleaned_up(context: rclpy.Con
         (AbbBridge, "limit.recipe", -1.0, "-1.0, allowed is a float from 0.1 to 600"),
         (AbbBridge, "limit.recipe", "soon", "'soon', allowed is a float"),
         (CameraSimulator, "noise", math.nan, "nan, allowed is a float from 0 to 4"),
-        (CameraSimulator, "seed", -1, "-1, allowed is an int"),
+        (CameraSimulator, "seed", -1, "-1, allowed is an int from 0 to 2147483647"),
     ],
 )
 def test_a_node_is_not_started_with_a_value_that_makes_no_sense(
@@ -206,6 +207,17 @@ def test_a_node_is_not_started_with_a_value_that_makes_no_sense(
     with pytest.raises(BadParameterError, match=name) as refusal:
         make(context=context, parameter_overrides=[Parameter(name, value=value)])
     assert words in refusal.value.message
+    # The same is said where there is no node yet.
+    node = re.search(r"of /(\w+) is", refusal.value.message)
+    assert node is not None
+    with pytest.raises(BadParameterError) as before:
+        check_values(node[1], make, {name: value})  # type: ignore[arg-type]  # a class of nodes
+    assert before.value.message == refusal.value.message
+
+
+@pytest.mark.parametrize("make", reporting_nodes(), ids=lambda make: make.__name__)
+def test_a_default_is_a_value_that_a_node_takes(make: type[ReportingNode]) -> None:
+    check_values("node", make, {parameter.name: parameter.default for parameter in make.PARAMETERS})
 
 
 def test_a_whole_number_is_a_number(context: rclpy.Context) -> None:
@@ -286,3 +298,9 @@ def test_a_misspelt_node_is_named_with_the_one_that_is_meant(context: rclpy.Cont
         assert "parameter noise is left aside" in sentence
         assert "camera_simulator is meant" in sentence
     simulator.destroy_node()
+
+
+def test_the_bridge_to_a_real_robot_tells_what_nobody_measured_of_it() -> None:
+    assert caution_of("simulated_folder") == ""
+    for transport in ("rws1", "rws2"):
+        assert "before a real robot moves compare them with its manual" in caution_of(transport)

@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+import os
 import zipfile
 
 import openpyxl
@@ -109,7 +110,7 @@ def test_wrong_cell_is_named_with_its_row(recipe, record, column, value, error, 
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "no row is about a door"),
+        ("", "the file is empty"),
         ("door_id,width_mm\n", "the column 'record' is missing"),
         ("record,width_mm\n", "the column 'door_id' is missing"),
         ("record,door_id,door_id\n", "the column 'door_id' is there twice"),
@@ -360,4 +361,32 @@ def test_one_door_twice_in_a_file(tmp_path, recipe):
     path = tmp_path / "x.json"
     path.write_text(json.dumps([recipe.to_document()] * 2))
     with pytest.raises(e.DuplicateName, match="is there twice"):
+        read_file(path)
+
+
+@pytest.mark.parametrize("content", [b"\x80\x81\xfe\x00", b"door_id;h\xf6he\n1;2\n", bytes(range(128, 256))])
+def test_a_csv_that_is_no_text_says_so(tmp_path, content):
+    path = tmp_path / "doors.csv"
+    path.write_bytes(content)
+    with pytest.raises(
+        e.UnreadableFile, match=r"doors\.csv: (line 1, column \d+: is no UTF-8 text|not a text file)"
+    ):
+        read_file(path)
+
+
+def test_an_empty_csv_says_so(tmp_path):
+    for text in ("", "\n\n", "\ufeff"):
+        (tmp_path / "doors.csv").write_text(text, encoding="utf-8")
+        with pytest.raises(e.BadTable, match=r"doors\.csv: the file is empty"):
+            read_file(tmp_path / "doors.csv")
+
+
+@pytest.mark.timeout(60)
+@pytest.mark.parametrize("ending", ["csv", "txt", "yaml", "json"])
+def test_a_pipe_is_no_recipe_file(tmp_path, ending):
+    path = tmp_path / f"doors.{ending}"
+    os.mkfifo(path)
+    with pytest.raises(
+        e.UnreadableFile, match="cannot be read, a pipe, a device or a socket, not a regular file"
+    ):
         read_file(path)

@@ -8,6 +8,7 @@ import pytest
 from rosbags.rosbag2 import Reader
 
 from doormill_ros.recording.bag_reader import read_bag, topics_of
+from doormill_ros.recording.errors import UnreadableBagError
 from support.source_tree import ROOT
 
 BAGS = sorted(path.parent for path in (ROOT / "bags").glob("*/metadata.yaml"))
@@ -29,3 +30,22 @@ def test_what_messages_of_different_types_hold_can_be_compared() -> None:
     headers = [m.message.header for m in read_bag(bag) if hasattr(m.message, "header")]
     assert len(headers) > 3
     assert len({type(header) for header in headers}) == 1
+
+
+@pytest.mark.parametrize(
+    ("place", "why"),
+    [
+        ("empty", "it holds neither metadata.yaml nor a .mcap file"),
+        ("file.txt", "it is neither a folder nor a .mcap file"),
+        ("absent", "there is no such folder"),
+    ],
+)
+def test_what_is_no_bag_is_told_with_what_it_lacks(tmp_path: Path, place: str, why: str) -> None:
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "file.txt").touch()
+    for read in (topics_of, lambda bag: list(read_bag(bag))):
+        with pytest.raises(UnreadableBagError) as refused:
+            read(tmp_path / place)
+        assert refused.value.message == (
+            f"bag {tmp_path / place} cannot be read: {why}; name a folder with metadata.yaml and .mcap files"
+        )

@@ -6,7 +6,7 @@ import pytest
 import yaml
 
 from doormill_ros.resources import resource
-from doormill_ros.robot.description import load_robot
+from doormill_ros.robot.description import _load, load_robot
 from doormill_ros.robot.errors import GeometryError, RobotDescriptionError
 from doormill_ros.robot.kinematics import Kinematics
 from support.inverse_kinematics import inverse
@@ -49,14 +49,20 @@ def test_arrays_cannot_be_changed(robot):
             array[0] = 1.0
 
 
-def test_unmeasured_figures_are_warned_of_once(folder, caplog):
-    with caplog.at_level(logging.WARNING):
+def test_unmeasured_figures_are_told_by_who_moves_a_robot_and_not_by_who_reads_the_file(folder, caplog):
+    with caplog.at_level(logging.DEBUG):
         first, second = load_robot(folder), load_robot(folder / "robot.yaml")
     assert first is second
-    warnings = [record.getMessage() for record in caplog.records]
-    assert len(warnings) == 1
-    assert "payload" in warnings[0]
-    assert "stiffness" not in warnings[0]
+    assert [record.getMessage() for record in caplog.records] == []
+    assert "nobody measured reach, payload" in first.caution
+    assert "stiffness" not in first.caution
+    edit(
+        folder,
+        lambda d: [
+            one.update(measured=True) for one in d.values() if isinstance(one, dict) and "measured" in one
+        ],
+    )
+    assert _load.__wrapped__(folder / "robot.yaml").caution == ""
 
 
 def test_limits_may_narrow_the_urdf(folder):

@@ -5,6 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis.strategies import floats
 from scipy.spatial.transform import Rotation
 
 from doormill_ros.cell.layout import DoorOffset, load_layout
@@ -103,6 +105,61 @@ def test_floor_is_measured_apart_from_the_wall(hinge, T_base_door):
     result = inspect(hinge, T_base_door, executed(hinge, T_base_door, xy, depth)).feature("hinge_1")
     assert result.floor == pytest.approx((-30e-6, 50e-6), abs=1e-7)
     assert result.max_deviation < 1e-6
+
+
+@pytest.mark.parametrize("shallow", [0.0, 2e-4, 2.6e-4, 3e-4, 1e-3])
+@pytest.mark.parametrize("aside", [0.0, 3e-4, 9e-4])
+def test_a_shallow_floor_is_no_worse_than_it_is_shallow(hinge, T_base_door, shallow, aside):
+    """A door that stands off along and across the tool is off by the larger of both, and not by the way to anything."""
+    lean = 1e-3
+    path = executed(
+        hinge,
+        T_base_door,
+        oblong(WIDTH / 2 - RADIUS) + np.array([aside, 0.0]),
+        DEPTH - shallow,
+        tilt=[0.0, lean, 0.0],
+    )
+    result = inspect(hinge, T_base_door, path).feature("hinge_1")
+    leaning = math.tan(lean) * DEPTH
+    assert result.milled
+    assert result.worst == pytest.approx(max(shallow, aside), abs=2e-6 + leaning)
+    assert result.floor == pytest.approx((-shallow, -shallow), abs=2e-6)
+    assert result.max_deviation < max(shallow, aside) + 2e-6 + leaning
+    assert result.by_depth.max() == pytest.approx(aside, abs=2e-6 + leaning)
+    assert result.uncleared == pytest.approx(0.0, abs=1e-9) or aside > 4e-4
+
+
+@settings(max_examples=20)
+@given(high=floats(0.0, 1e-3), low=floats(-3e-4, 1e-3), aside=floats(-1e-3, 1e-3), along=floats(-1e-3, 1e-3))
+def test_an_uneven_floor_is_as_shallow_as_its_shallowest_place(hinge, T_base_door, high, low, aside, along):
+    """One half less deep than the other, and both off to the side: the walls are not off by more than that."""
+    xy = oblong(WIDTH / 2 - RADIUS, n=300)
+    depth = DEPTH - np.where(xy[:, 1] > 0.0, high, low)
+    path = executed(hinge, T_base_door, xy + np.array([aside, along]), depth)
+    result = inspect(hinge, T_base_door, path).feature("hinge_1")
+    walls = math.hypot(aside, along) if abs(along) > 2e-6 else abs(aside)
+    assert result.worst == pytest.approx(max(abs(high), abs(low), walls), abs=5e-6)
+
+
+def test_a_pocket_of_half_the_depth_or_half_the_length_is_grossly_wrong(hinge, T_base_door):
+    xy = oblong(WIDTH / 2 - RADIUS)
+    half = inspect(hinge, T_base_door, executed(hinge, T_base_door, xy, DEPTH / 2.0)).features[0]
+    assert half.worst == pytest.approx(DEPTH / 2.0, abs=2e-6)
+    assert half.max_deviation > 0.4 * DEPTH
+    short = inspect(hinge, T_base_door, executed(hinge, T_base_door, np.minimum(xy, [1.0, 0.02]))).features[0]
+    assert short.max_deviation == pytest.approx(WIDTH / 2 + 0.025 - RADIUS, abs=1e-6)
+    # Its upper end is not milled, and what is milled lacks 0.3 mm of its depth.
+    both = executed(hinge, T_base_door, np.minimum(xy, [1.0, 0.02]), DEPTH - 3e-4)
+    assert inspect(hinge, T_base_door, both).features[0].max_deviation > 0.03
+
+
+def test_wood_that_stands_in_the_corner_of_floor_and_wall_is_the_walls(hinge, T_base_door):
+    """Cut to its depth well inside the wall only, and at the wall 1 mm less deep."""
+    inside, wall = (oblong(WIDTH / 2 - RADIUS - left) for left in (3e-4, 0.0))
+    xy = np.concatenate([inside, wall])
+    depth = np.repeat([DEPTH, DEPTH - 1e-3], [len(inside), len(wall)])
+    result = inspect(hinge, T_base_door, executed(hinge, T_base_door, xy, depth)).features[0]
+    assert result.worst == pytest.approx(3e-4, abs=2e-6)
 
 
 def test_one_short_gouge_is_found(hinge, T_base_door):

@@ -34,7 +34,8 @@ def test_its_process_ends(where: str, tmp_path: Path) -> None:
     done = subprocess.run(
         [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-q", "test_it.py"],
         cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": str(ROOT / "test")},  # what the settings themselves need
+        # What the settings themselves need, and where a process that ends so leaves what it did not remove.
+        env={**os.environ, "PYTHONPATH": str(ROOT / "test"), "TMPDIR": str(tmp_path)},
         capture_output=True,
         text=True,
         timeout=LIMIT,

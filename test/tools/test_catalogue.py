@@ -8,6 +8,7 @@ from pathlib import Path
 import duckdb
 import pytest
 
+from doormill_ros.cell.errors import OutOfToleranceError
 from doormill_ros.tools.catalogue import main
 from support.run_bags import BEGUN_NS, DAY_NS, DrawnRun, write_inspection_note, write_run_bag
 
@@ -56,6 +57,15 @@ def test_runs_are_rebuilt_listed_and_exported(catalogue: Run, bags: Path, tmp_pa
     assert duckdb.sql(f"SELECT sum(deviation) FROM '{file}'").fetchall() == [(pytest.approx(3e-4),)]
 
 
+def test_a_door_out_of_tolerance_was_milled(catalogue: Run, tmp_path: Path) -> None:
+    ended = {"success": False, "error_code": OutOfToleranceError.code, "deviation": 7e-4}
+    run = DrawnRun("run_0", "door_0", BEGUN_NS, **ended)  # type: ignore[arg-type]
+    write_run_bag(tmp_path / "bags" / "0" / "bag", [run])
+    catalogue("rebuild", tmp_path / "bags")
+    _, (head, line), _ = catalogue("list")
+    assert dict(zip(head.split("\t"), line.split("\t"), strict=True))["outcome"] == "milled, out of tolerance"
+
+
 def test_what_is_refused_is_named_and_the_rest_is_there(catalogue: Run, bags: Path) -> None:
     next((bags / "1" / "bag").glob("*.mcap")).write_bytes(b"no bag")
     status, out, err = catalogue("rebuild", bags)
@@ -85,8 +95,9 @@ def test_retention_says_what_it_would_do_and_does_it(catalogue: Run, bags: Path)
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (["retain"], "allowed are numbers from 0 on"),
-        (["retain", "--days", "-1"], "allowed are numbers from 0 on"),
+        (["retain"], "found no limit, allowed are numbers from 0 on"),
+        (["retain", "--days", "-1"], "found -1 days, allowed are numbers from 0 on"),
+        (["retain", "--days", "1", "--gigabytes", "-2"], "found 1 days and -2 gigabytes, allowed"),
         (["keep", "nothing"], "found no run 'nothing'"),
         (["export", "--parquet", "/nowhere/runs.parquet"], "cannot be written"),
         (["--database", "mysql://x", "list"], "allowed are sqlite:/// and postgresql://"),

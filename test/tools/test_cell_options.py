@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from doormill_ros.cell.run_folder import ShiftFolder
 from doormill_ros.cell.shift_summary import ShiftSummary
 from doormill_ros.cell.summary import FeatureError, RunSummary
+from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.tools.cell import main
 from doormill_ros.tools.cell_options import parse
 
@@ -90,12 +90,10 @@ def test_the_table_of_a_shift_has_a_line_a_door() -> None:
     assert not shift.success
 
 
-def test_a_new_shift_leaves_nothing_of_the_one_before(tmp_path: Path) -> None:
-    paths = ShiftFolder(tmp_path)
-    for kept in ("door_plans", "notes"):
-        (tmp_path / kept).mkdir()
-    for number in range(3):
-        paths.run(number).inspection.mkdir(parents=True)
-    paths.summary.write_text("{}")
-    paths.prepare()
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["controller", "door_plans", "notes"]
+def test_doors_that_nobody_names_are_those_that_ship_in_turn(capsys: pytest.CaptureFixture[str]) -> None:
+    assert parse(["--doors", "3"]).door == sorted(shipped_recipes())
+    assert parse(["--doors", "3", "--world", "w.yaml"]).doors == 3
+    with pytest.raises(SystemExit) as stop:
+        parse(["--world", "w.yaml"])
+    assert stop.value.code == 2
+    assert "required: --door (with --doors N: the shipped recipes in turn)" in capsys.readouterr().err

@@ -9,6 +9,7 @@ import pytest
 from doormill_ros.diagnosis.core import kind
 from doormill_ros.tools import calibrate, cell, diagnose, health, report
 
+DOOR = "thesis_190_0deg"
 ROOT = Path(__file__).parents[2]
 
 
@@ -62,6 +63,57 @@ def test_a_door_is_turned_by_a_number(tmp_path: Path, capsys: pytest.CaptureFixt
     assert cell.main(arguments) == 2
     told = capsys.readouterr().err.splitlines()[-1]
     assert told.startswith("cell: parameter offset_rotation of /camera_simulator is nan, allowed is a float")
+
+
+@pytest.mark.parametrize("doors", [[], ["--doors", "2"]], ids=["door", "shift"])
+@pytest.mark.parametrize(
+    ("more", "complaint"),
+    [
+        (["--door", DOOR, "--offset", "1", "nan", "0"], "parameter offset_z of /camera_simulator is nan"),
+        (["--door", DOOR, "--seed", "-1"], "is -1, allowed is an int from 0 to 2147483647"),
+        (["--door", DOOR, "--seed", f"{2**80}"], f"parameter seed of /camera_simulator is {2**80}"),
+        (["--door", DOOR, "--robot-model", "/no/model.yaml"], "/no/model.yaml"),
+        (["--door", "nope"], "found no recipe for door 'nope'"),
+        (["--door", DOOR, "--namespace", "/a" * 200], "should not exceed"),
+    ],
+    ids=["offset", "seed", "long seed", "model", "door", "namespace"],
+)
+def test_a_run_that_is_refused_touches_nothing(
+    more: list[str], complaint: str, doors: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    earlier, new = tmp_path / "earlier", tmp_path / "new"
+    for file in ("bag/bag_0.mcap", "door_000/bag/bag_0.mcap"):
+        (earlier / file).parent.mkdir(parents=True)
+        (earlier / file).touch()
+    for out in (earlier, new):
+        assert cell.main([*more, *doors, "--out", str(out)]) == 2
+        (told,) = capsys.readouterr().err.splitlines()
+        assert told.startswith("cell: ")
+        assert complaint in told
+    assert sorted(str(file.relative_to(earlier)) for file in earlier.rglob("*.mcap")) == [
+        "bag/bag_0.mcap",
+        "door_000/bag/bag_0.mcap",
+    ]
+    assert not new.exists()
+
+
+def test_a_page_on_a_port_that_is_none_makes_nothing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cell.main(["--door", DOOR, "--ui", "99999", "--control", "--out", str(tmp_path / "run")]) == 2
+    out, err = capsys.readouterr()
+    assert "parameter port of /operator_page is 99999, allowed is an int from 0 to 65535" in err
+    assert not out  # no token for a page that never was
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_domain_that_is_none_is_told_before_anything_is_touched(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ROS_DOMAIN_ID", "abc")
+    assert cell.main(["--door", DOOR, "--out", str(tmp_path / "run")]) == 2
+    assert "ROS_DOMAIN_ID is not an integral number" in capsys.readouterr().err
+    assert not (tmp_path / "run").exists()
 
 
 @pytest.mark.parametrize("option", ["--robot-model", "--effects"])

@@ -251,11 +251,17 @@ def test_a_model_of_another_diagnosis_is_a_difference(
     assert "robot_model" in lines[0]
 
 
-def test_a_model_of_another_robot_is_no_model(capsys: pytest.CaptureFixture[str]) -> None:
-    status, lines = replay(capsys, BAG, "--robot-model", "irb6700_235_265")
-    assert status == 1
-    assert "/path/targets" in lines[0]
-    assert "accepted: expected True, found False" in lines[0]
+@pytest.mark.parametrize("model", ["irb6700_235_265", "/no/model.yaml"], ids=["another robot", "absent"])
+@pytest.mark.parametrize("more", [[], ["--live"], ["--many"]], ids=["offline", "live", "many"])
+def test_what_is_no_model_is_refused_and_no_difference(
+    model: str, more: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([str(BAG), *more, "--robot-model", model]) == 2
+    out, err = capsys.readouterr()
+    (told,) = err.splitlines()
+    assert not out
+    assert told.startswith("replay: ")
+    assert model in told
 
 
 def test_an_accepted_bag_is_the_site_s_and_replayed_from_then_on(
@@ -308,6 +314,13 @@ def test_rates_are_positive(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         main([str(BAG), "--live", "--rate", "0"])
     assert "allowed are numbers above 0 and 'max'" in capsys.readouterr().err
+
+
+def test_a_rate_without_live_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as stop:
+        main([str(BAG), "--rate", "2"])
+    assert stop.value.code == 2
+    assert "--rate belongs to --live: add it" in capsys.readouterr().err
 
 
 def test_a_database_that_is_not_there_is_not_made(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

@@ -141,6 +141,8 @@ def test_a_worker_that_is_killed_costs_no_line(
         (["--scheduler", "tcp://127.0.0.1:1"], "belong to --many"),
         (["--many", "--live"], "leave out --live"),
         (["--many", "--workers", "-1"], "positive number"),
+        (["--many", "--workers", "0"], "positive number"),
+        (["--workers", "0"], "belong to --many"),
         (["--many", "--workers", "2", "--scheduler", "tcp://127.0.0.1:1"], "leave it out with --scheduler"),
     ],
 )

@@ -47,3 +47,12 @@ def test_bad_input_is_one_line_and_status_2(tmp_path, capsys, arguments, says):
     assert says in error
     assert len(error.strip().splitlines()) == 1
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(("place", "why"), [("", "a file is in the way"), ("below", "Not a directory")])
+def test_a_folder_that_cannot_be_made_is_one_line(tmp_path, capsys, place, why):
+    (tmp_path / "file").write_text("mine", encoding="utf-8")
+    out = tmp_path / "file" / place
+    assert main(["--out", str(out)]) == 2
+    assert capsys.readouterr().err == f"workspace: {out} cannot be used, {why}; name another --out\n"
+    assert (tmp_path / "file").read_text(encoding="utf-8") == "mine"

@@ -84,8 +84,8 @@ def check_marked(sets: Sequence[PoseSet], others: Sequence[PoseSet]) -> None:
         if count < needed:
             table = company[0].path / "poses.csv"
             raise PosePlacementError(
-                f"{table}: line 1, column placement: marks {count} postures with 1, a set that is checked is placed by "
-                f"{needed} at least; mark more rows",
+                f"{table}: line 1, column placement: {count} different postures are marked with placement 1, a set "
+                f"that is checked is placed by {needed} at least; mark more rows",
                 path=str(table),
                 line=1,
                 column="placement",

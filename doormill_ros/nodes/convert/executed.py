@@ -101,8 +101,8 @@ def milled_message(
             FeatureDeviation(
                 feature=feature.id,
                 kind=feature.kind,
-                corrected_max=with_correction.max_deviation,
-                uncorrected_max=without.max_deviation,
+                corrected_max=with_correction.worst,
+                uncorrected_max=without.worst,
                 arc_length=np.asarray(with_correction.station).tolist(),
                 corrected=np.asarray(with_correction.deviation).tolist(),
                 uncorrected=np.asarray(without.deviation).tolist(),
@@ -112,8 +112,8 @@ def milled_message(
         header=header,
         run_id=placement.run_id,
         door_id=placement.door_id,
-        corrected_max=corrected.max_deviation,
-        uncorrected_max=uncorrected.max_deviation,
+        corrected_max=corrected.worst,
+        uncorrected_max=uncorrected.worst,
         tolerance=tolerance,
         features=features,
     )

@@ -28,6 +28,8 @@ def parse_csv(text: str, name: str, look_up: LookUp | None = None) -> list[Recip
         BadTable: A row or the header is wrong.
         FieldError: A recipe is wrong; the message says in which row.
     """
+    if not text.strip():
+        raise BadTable(f"{name}: the file is empty, it needs a first row with the names of the columns")
     header = text.split("\n", 1)[0]
     delimiter = max(DELIMITERS, key=header.count)
     csv.field_size_limit(MAX_CELL)

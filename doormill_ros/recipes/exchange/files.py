@@ -9,6 +9,7 @@ from typing import Any
 
 import yaml
 
+from doormill_ros.files import NotUtf8, read_regular, text_of_utf8
 from doormill_ros.recipes.documents import parse_json, parse_yaml, read_text
 from doormill_ros.recipes.errors import (
     DuplicateName,
@@ -17,7 +18,7 @@ from doormill_ros.recipes.errors import (
     UnknownFileType,
     UnreadableFile,
 )
-from doormill_ros.recipes.exchange.csv_file import format_csv, parse_csv
+from doormill_ros.recipes.exchange.csv_file import RECORD, format_csv, parse_csv
 from doormill_ros.recipes.exchange.thesis_text import decode, format_thesis_text, parse_thesis_text
 from doormill_ros.recipes.reading import located
 from doormill_ros.recipes.recipe import Recipe
@@ -49,7 +50,12 @@ def read_file(path: str | Path, look_up: LookUp | None = None) -> list[Recipe]:
     elif ending == ".txt":
         recipes = [parse_thesis_text(decode(_bytes(path), str(path)), str(path), path.stem)]
     elif ending == ".csv":
-        recipes = parse_csv(decode(_bytes(path), str(path)), str(path), look_up)
+        content = _bytes(path)
+        text = decode(content, str(path))
+        if RECORD not in text:
+            # A guess of what the bytes mean was wrong where no column is found in it.
+            _check_utf8(content, path)
+        recipes = parse_csv(text, str(path), look_up)
     else:
         parse = parse_json if ending == ".json" else parse_yaml
         recipes = _documents(parse(read_text(path), str(path)), path, look_up)
@@ -123,6 +129,13 @@ def _ending(path: Path) -> str:
 
 def _bytes(path: Path) -> bytes:
     try:
-        return path.read_bytes()
+        return read_regular(path)
     except OSError as error:
         raise UnreadableFile(f"{path}: cannot be read, {error.strerror}") from error
+
+
+def _check_utf8(content: bytes, path: Path) -> None:
+    try:
+        text_of_utf8(content)
+    except NotUtf8 as error:
+        raise UnreadableFile(f"{path}: {error}, save it as UTF-8") from error

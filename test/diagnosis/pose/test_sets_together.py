@@ -96,4 +96,4 @@ def test_a_checked_series_that_nothing_places_is_refused_by_its_name_before_anyt
     monkeypatch.setattr(Poses, "diagnose", lambda *_: pytest.fail("fitted"))
     assert main(["--data", str(one), "--check", str(two), "--out", str(tmp_path / "out")]) == 2
     told = capsys.readouterr().err
-    assert f"{two / 'poses.csv'}: line 1, column placement: marks 0 postures with 1" in told
+    assert f"{two / 'poses.csv'}: line 1, column placement: 0 different postures are marked" in told
