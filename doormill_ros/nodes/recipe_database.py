@@ -3,25 +3,21 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-import yaml
 from std_msgs.msg import Header
 
 from doormill_interfaces.msg import DoorRecipe
 from doormill_interfaces.srv import GetRecipe, ImportRecipes, ListRecipes
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.recipe import recipe_message, summary_message
-from doormill_ros.nodes.help_page import NODES_FILE
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.named_door import check_named_once
 from doormill_ros.nodes.reporting_node import OK, NodeParameter
 from doormill_ros.nodes.run import run_nodes
 from doormill_ros.nodes.tool_wear import ToolWear
 from doormill_ros.recipes.store.database import RecipeDatabase
-from doormill_ros.resources import resource
 
 
 class RecipeDatabaseNode(ManagedNode):
@@ -96,33 +92,6 @@ class RecipeDatabaseNode(ManagedNode):
             f"{len(report.unchanged)} were there already"
         )
         return response
-
-
-def check_doors(doors: Iterable[str]) -> None:
-    """Find out whether the node of a cell that is started here will know doors.
-
-    Args:
-        doors: Their ids.
-
-    Raises:
-        UnknownDoor: It will not.
-        DatabaseUnreachable: The database cannot be opened.
-        DamagedRecord: A recipe is not what was stored.
-    """
-    with RecipeDatabase(_chosen("database_url", "") or None) as database:
-        if _chosen("ship_recipes", True):
-            database.add_shipped()
-        for door in dict.fromkeys(doors):
-            database.get(door)
-
-
-def _chosen(name: str, default: Any) -> Any:
-    """Value of a parameter in the file of all nodes, which ROS 2 has read before."""
-    document = yaml.safe_load(resource(NODES_FILE).read_text(encoding="utf-8")) or {}
-    for key, values in document.items():
-        if key.rpartition("/")[2] in ("recipe_database", "**"):
-            default = values["ros__parameters"].get(name, default)
-    return default
 
 
 def main() -> int:

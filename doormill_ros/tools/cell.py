@@ -65,7 +65,6 @@ def _mill_door(options: argparse.Namespace, parameters: Parameters, alone: bool)
     from doormill_ros.cell.inspection import OUT_OF_TOLERANCE
     from doormill_ros.errors import DoormillError
     from doormill_ros.nodes.cell import CellOptions, run_once
-    from doormill_ros.nodes.recipe_database import check_doors
     from doormill_ros.pages.charts import import_matplotlib
     from doormill_ros.pipeline.plan import load_setup
     from doormill_ros.recording.errors import BagError
@@ -98,7 +97,6 @@ def _mill_door(options: argparse.Namespace, parameters: Parameters, alone: bool)
         if options.effects:
             load_effects(Path(options.effects))
         cell.check()
-        check_doors(options.door)
     except DoormillError as error:
         print(f"cell: {error.message}", file=sys.stderr)
         return 2
@@ -174,7 +172,6 @@ def _mill_shift(options: argparse.Namespace, parameters: Parameters, alone: bool
     from doormill_ros.errors import DoormillError
     from doormill_ros.nodes.cell import CellOptions
     from doormill_ros.nodes.monitor_beside import ModelMonitorBeside
-    from doormill_ros.nodes.recipe_database import check_doors
     from doormill_ros.nodes.shift import run_shift
     from doormill_ros.pages.charts import import_matplotlib
     from doormill_ros.pipeline.plan import load_setup
@@ -201,7 +198,6 @@ def _mill_shift(options: argparse.Namespace, parameters: Parameters, alone: bool
                 world.door(number)
         effects = load_effects(Path(options.effects)) if options.effects else ()
         cell.check()
-        check_doors(doors)
     except DoormillError as error:
         print(f"cell: {error.message}", file=sys.stderr)
         return 2
