@@ -65,3 +65,15 @@ def test_a_check_predicts_as_the_diagnosed_test_was_predicted(problem, finite):
 def test_finite_angles_make_a_difference_that_a_check_can_miss(problem):
     to_first_order, finite = (fit(problem.with_angles(way), ()).prediction.residual for way in (False, True))
     assert np.abs(to_first_order - finite).max() > 1e-9
+
+
+def test_single_trials_of_one_configuration_are_as_many_groups(tmp_path):
+    (tmp_path / "set.yaml").write_bytes((EXAMPLE / "set.yaml").read_bytes())
+    rows = (EXAMPLE / "trials.csv").read_text().splitlines()[:9]
+    (tmp_path / "trials.csv").write_text("\n".join(rows) + "\n")
+    diagnosis = LoadingTests().diagnose([read_measurement_set(tmp_path)], lambda line: None)
+    assert len(np.unique(diagnosis.problem.configuration)) == 1
+    squares = diagnosis.question.holdout_squares(diagnosis.baseline, diagnosis.kept)
+    # One group alone would be drawn again and again, and make an interval of no width.
+    assert len(squares) == diagnosis.kept.sum() > 5
+    assert squares.sum() == pytest.approx(np.sum(diagnosis.baseline.held_out[diagnosis.kept] ** 2))
