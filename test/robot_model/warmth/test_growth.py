@@ -1,5 +1,7 @@
 """The law of a growth: what it says at a time, how sure it is, how far it is followed, and its place in a model."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import yaml
@@ -11,7 +13,7 @@ from doormill_ros.robot_model.errors import ExtendedModelError
 from doormill_ros.robot_model.extended_document import model_document
 from doormill_ros.robot_model.extended_model import load_model_of
 from doormill_ros.robot_model.warmth.grown_model import grown, growth_in
-from doormill_ros.robot_model.warmth.growth import GrowthLaw, ThermalGrowth
+from doormill_ros.robot_model.warmth.growth import REACH, GrowthLaw, ThermalGrowth
 from doormill_ros.robot_model.warmth.work_times import WorkTimes
 
 ROBOT = load_robot("irb6600_175_255")
@@ -104,3 +106,12 @@ def test_a_law_of_no_use_is_refused(tmp_path, change, complaint):
     path.write_text(yaml.safe_dump(document))
     with pytest.raises(ExtendedModelError, match=complaint):
         load_model_of(ROBOT, path)
+
+
+def test_an_arm_that_grows_moves_its_tool_by_how_far_its_flange_is(tmp_path):
+    arm = replace(TWO, arm=True)
+    cold = load_model_of(ROBOT, written(tmp_path, growth=arm))
+    assert growth_in(cold) == arm
+    warm = grown(cold, Kinematics(ROBOT), arm, 1e-4, 3e-5)
+    moved = warm.deflection(Q, np.zeros((len(Q), 6)), TIP) - cold.deflection(Q, np.zeros((len(Q), 6)), TIP)
+    assert np.allclose(moved[:, :3], 1e-4 * Kinematics(ROBOT).forward(Q)[:, :3, 3] / REACH)
