@@ -9,8 +9,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from doormill_ros.cell.shift_summary import SCHEMA as SHIFT
-from doormill_ros.cell.summary import SCHEMA as RUN
+from doormill_ros.cell.schemas import RUN, SHIFT
 from doormill_ros.yaml_text import parse
 
 DOOR = re.compile(r"door_\d+")

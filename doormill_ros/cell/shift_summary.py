@@ -7,11 +7,10 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
+from doormill_ros.cell.schemas import SHIFT
 from doormill_ros.cell.summary import RunSummary
 from doormill_ros.files import write_atomically
 from doormill_ros.units import m_to_mm
-
-SCHEMA = "doormill/shift/1"
 
 
 @dataclass(frozen=True)
@@ -75,7 +74,7 @@ class ShiftSummary:
 
     def write(self, path: Path) -> None:
         """Write the file at once, so that no reader sees half of it."""
-        write_atomically(path, json.dumps({"schema": SCHEMA, **asdict(self)}, indent=2) + "\n")
+        write_atomically(path, json.dumps({"schema": SHIFT, **asdict(self)}, indent=2) + "\n")
 
     def table(self) -> str:
         """The doors as lines of text."""

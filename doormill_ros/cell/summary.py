@@ -7,9 +7,9 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 from doormill_ros.cell.layout import DoorOffset
+from doormill_ros.cell.schemas import RUN
 from doormill_ros.files import write_atomically
 
-SCHEMA = "doormill/run/1"
 TOLERANCE = 0.5e-3  # m, section 1.3 of the thesis
 
 
@@ -119,7 +119,7 @@ class RunSummary:
 
     def write(self, path: Path) -> None:
         """Write the file at once, so that no reader sees half of it."""
-        write_atomically(path, json.dumps({"schema": SCHEMA, **asdict(self)}, indent=2) + "\n")
+        write_atomically(path, json.dumps({"schema": RUN, **asdict(self)}, indent=2) + "\n")
 
 
 def localization_error(found: DoorOffset, true: DoorOffset) -> DoorOffset:
