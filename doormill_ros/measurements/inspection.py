@@ -113,7 +113,8 @@ def read_inspection(folder: Path, bag_of: Callable[[str], Path | None] = nowhere
             raise document.fail((str(key),), f"is unknown, allowed are {', '.join(KEYS)}")
     if document.get("schema") != SCHEMA:
         raise document.fail(("schema",), f"is {document.get('schema')!r}, allowed is {SCHEMA}")
-    run_id, bag = document.text("run_id"), _bag(document, folder, bag_of)
+    run_id = document.text("run_id")
+    bag = _bag(document, folder, run_id, bag_of)
     datum = document.get("datum")
     if not isinstance(datum, str) or (datum not in (CAMERA, PART) and not datum.startswith(FEATURE)):
         raise document.fail(("datum",), f"is {datum!r}, allowed are camera, part and feature NAME")
@@ -153,9 +154,9 @@ def read_inspection(folder: Path, bag_of: Callable[[str], Path | None] = nowhere
     )
 
 
-def _bag(document: SetDocument, folder: Path, bag_of: Callable[[str], Path | None]) -> Path:
+def _bag(document: SetDocument, folder: Path, run_id: str, bag_of: Callable[[str], Path | None]) -> Path:
     """The folder that is named, else the one that is known of the run."""
-    named, run_id = document.data.get("bag"), document.text("run_id")
+    named = document.data.get("bag")
     if isinstance(named, str) and (folder / named).is_dir():
         return folder / named
     found = bag_of(run_id) if named is None or isinstance(named, str) else None

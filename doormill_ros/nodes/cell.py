@@ -246,6 +246,7 @@ def run_once(
 
     With the operator's page, `milled` is called after that door and the cell stays up until interrupted.
     """
+    (options or CellOptions()).check()
     return run_in(RunFolder(folder.resolve()), door_id, options, progress, milled)
 
 
@@ -256,8 +257,7 @@ def run_in(
     progress: Callable[[str, float], None] | None = None,
     milled: Callable[[RunSummary], None] | None = None,
 ) -> RunSummary:
-    """As `run_once`, for a folder that may belong to a shift; its path is absolute."""
-    (options or CellOptions()).check()
+    """As `run_once`, for a folder that may belong to a shift; its path is absolute, and its options were judged."""
     run_folder.prepare()
     with Cell(run_folder, options) as cell:
         summary = cell.mill(door_id, progress)

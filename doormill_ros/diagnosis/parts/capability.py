@@ -26,7 +26,8 @@ def capability_of(doors: Sequence[GaugedDoor]) -> list[dict[str, Any]]:
     for recipe in dict.fromkeys(door.recipe for door in doors):
         each = [door.points.deviation for door in doors if door.recipe == recipe]
         off = np.concatenate(each)
-        mean, room = float(off.mean()), (TOLERANCE - abs(float(off.mean()))) / 3.0
+        mean = float(off.mean())
+        room = (TOLERANCE - abs(mean)) / 3.0
         std, within = _deviation([off]), _deviation(each)
         figures = {"mean": mean, "std": std, "std_within": within}
         rows.append(
@@ -40,11 +41,9 @@ def capability_of(doors: Sequence[GaugedDoor]) -> list[dict[str, Any]]:
 def _deviation(parts: Sequence[FloatArray]) -> float | None:
     """Standard deviation about the mean of each part, shape (n,) [m]; None where no part has two points."""
     freedom = sum(len(part) - 1 for part in parts)
-    return (
-        float(np.sqrt(sum(np.sum((part - part.mean()) ** 2) for part in parts) / freedom))
-        if freedom
-        else None
-    )
+    if not freedom:
+        return None
+    return float(np.sqrt(sum(np.sum((part - part.mean()) ** 2) for part in parts) / freedom))
 
 
 def capability_table(capability: Sequence[dict[str, Any]]) -> list[Block]:

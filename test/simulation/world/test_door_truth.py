@@ -1,11 +1,14 @@
 """Each key of a world moves what it must of a recorded door, by a figure computed by hand, and nothing else."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from doormill_ros.cell.layout import load_layout
+from doormill_ros.diagnosis.parts.effects.lag import ServoLag
+from doormill_ros.diagnosis.parts.late import LAGS
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.localizer import localize
 from doormill_ros.messages.from_message import program_of
@@ -162,6 +165,16 @@ def test_a_tool_that_follows_late_goes_round_in_a_smaller_circle_behind_its_comm
     behind = angle[1500:] - np.unwrap(np.arctan2(late[:, 1], late[:, 0])) - 2.0 * np.pi
     np.testing.assert_allclose(np.mod(behind + np.pi, 2.0 * np.pi) - np.pi, np.arctan(turn * lag), atol=1e-5)
     assert np.array_equal(lagging(time, sent, 0.0), sent)
+
+
+def test_it_cuts_a_right_angle_by_what_the_diagnosis_tells_as_its_corner():
+    lag, feed = 0.01, 0.05
+    time = np.linspace(0.0, 1.0, 20_001)
+    way = feed * (time - 0.5)
+    sent = np.column_stack([np.minimum(way, 0.0), np.maximum(way, 0.0), 0.0 * way])
+    passed = np.linalg.norm(lagging(time, sent, lag), axis=1).min()
+    told = ServoLag(LAGS[0]).values(np.array([(lag / 1e-2) ** 2]), SimpleNamespace(feed=np.full(3, feed)))
+    np.testing.assert_allclose(told, passed, rtol=2e-3)
 
 
 def test_a_controller_that_lags_moves_the_path_at_its_bends_only(truth, recorded):
