@@ -40,6 +40,8 @@ class Cause:
         of_robot: Whether it is in the robot; one in the measuring chain changes nothing for who mills with it.
         variant: Tells apart two readings of the same cause.
         named: Whether a diagnosis may name it; patterns that only warn of the unknown are not.
+        acts_in: Part of the cell, where its place does not say so by itself.
+        check: What shows it without more data of the same kind, as an order; empty where nothing is known to.
     """
 
     name: str = ""
@@ -47,6 +49,8 @@ class Cause:
     of_robot: bool = True
     variant: str = ""
     named: bool = True
+    acts_in: str = ""
+    check: str = ""
 
     def __init__(self, where: str) -> None:
         """Put the cause at its place."""

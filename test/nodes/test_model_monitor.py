@@ -16,6 +16,7 @@ from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.verdict import faults_of, steps_of
 from doormill_ros.recording.bag_reader import read_bag
 from support.cell_processes import NODES, CellProcesses
+from support.door_checks import CHECKS
 
 DOOR = "thesis_190_0deg"
 MONITOR = "model_monitor"
@@ -85,7 +86,7 @@ def test_a_gauged_door_names_what_the_world_hides_and_stops_milling(told):
     assert "explained" in verdict.sentence
     steps = steps_of(verdict)
     assert steps
-    assert next_sentence(steps) == verdict.next_measurement  # the data say the same
+    assert next_sentence(steps, CHECKS) == verdict.next_measurement  # the data say the same
     assert {fault.cause for fault in faults_of(verdict)} == {cause.cause for cause in verdict.causes}
     refused = told.mill()
     assert (refused.success, refused.error_code, refused.sha256) == (False, STOPPED, "")

@@ -23,7 +23,7 @@ from doormill_ros.cell.errors import CellError, OutOfToleranceError
 from doormill_ros.diagnosis.core import verdict
 from doormill_ros.diagnosis.core.changes import DRIFT, STEP
 from doormill_ros.diagnosis.parts.effects.registry import effects
-from doormill_ros.diagnosis.parts.next_step import CHECKS, STEPS, NextStep, next_sentence
+from doormill_ros.diagnosis.parts.next_step import STEPS, NextStep, next_sentence
 from doormill_ros.diagnosis.runs.causes import effects_of
 from doormill_ros.diagnosis.runs.channels import (
     ANSWER,
@@ -47,6 +47,7 @@ from doormill_ros.operator.robot_view import DOES
 from doormill_ros.recipes.features.registry import FEATURES
 from doormill_ros.robot_model.elastic.causes.registry import CUTTING, LIBRARY
 from support.browser import open_page
+from support.door_checks import CHECKS
 
 FOLDER = Path(str(files("doormill_ros.operator")))
 TEXTS: dict[str, dict[str, str]] = {
@@ -302,7 +303,7 @@ def view_of(
     expected, limit, version, proposed, left = stop
     return ModelView(
         sentence=found.sentence,
-        next_measurement=next_sentence(NEXT),
+        next_measurement=next_sentence(NEXT, CHECKS),
         remarks=found.remarks,
         version=version,
         proposed=proposed,
@@ -330,7 +331,7 @@ def test_the_data_of_a_verdict_say_all_that_the_monitor_says(read_only: Any) -> 
         expect(page.locator("#state")).to_have_text("unknown")
         for found in FOUND:
             assert said(page, "verdictSentence", view_of(found)) == found.sentence
-        own = next_sentence(NEXT)
+        own = next_sentence(NEXT, CHECKS)
         assert said(page, "nextSentence", view_of(FOUND[0])) == re.sub(r"(?<=[a-z])_(?=[a-z])", " ", own)
         for stop in STOPS:
             assert said(page, "stopReason", view_of(FOUND[0], stop)) == stop_sentence(*stop)

@@ -123,7 +123,7 @@ class OverTime(Candidate[Any], Generic[F]):
         super().__init__(effect.where)
         self.effect, self.course = effect, course or SizeCourse()
         self.name, self.of_robot, self.named = effect.name, effect.of_robot, effect.named
-        self.generalises = effect.generalises
+        self.generalises, self.check = effect.generalises, effect.check
         self.variant = ", ".join(word for word in (effect.variant, self.course.words) if word)
         self.series = f"{effect.series} {self.course.words}" if effect.series else ""
         times = self.course.sizes

@@ -95,8 +95,8 @@ def spoken(cause: Cause) -> str:
         return f"{words} of {cause.where}"
     if cause.where == "sensor":
         return words.replace("wrench", "sensor")
-    if cause.name == "reflector_position":
-        return f"position of reflector {cause.where}"
+    if cause.acts_in and rest and body == cause.acts_in:
+        return f"{rest} of {body} {cause.where}"
     return words + (f" ({cause.variant})" if cause.variant else "")
 
 

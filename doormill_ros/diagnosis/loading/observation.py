@@ -49,7 +49,7 @@ def whitening(covariance: FloatArray, sight: FloatArray | None) -> tuple[FloatAr
 def trackers_of(members: Sequence[ElasticCause], theta: FloatArray) -> list[tuple[ElasticCause, FloatArray]]:
     """Causes in the tracker with their theta, shape (p,), as they act: a drift is added to what is reported."""
     found = [(cause, part) for cause, part in split(members, theta) if cause.stage == "tracker"]
-    return sorted(found, key=lambda pair: pair[0].name == "thermal_drift")
+    return sorted(found, key=lambda pair: pair[0].added_last)
 
 
 def observed(

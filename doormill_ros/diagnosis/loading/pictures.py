@@ -11,7 +11,7 @@ from doormill_ros.diagnosis.core.verdict import rmse
 from doormill_ros.diagnosis.core.wording import MICRO, spoken
 from doormill_ros.diagnosis.loading.problem import LoadingDiagnosis, LoadingProblem
 from doormill_ros.pages.charts import BLUE, DARK, GREY, HALF, RED, WIDE, BarRow, Curve, bars, scatter
-from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
+from doormill_ros.robot_model.elastic.causes.cause import DIRECTION, OWN_TORQUE, TIME, ElasticCause
 from doormill_ros.units import m_to_um
 
 MOST = 16  #: rows of a chart by group
@@ -158,9 +158,9 @@ def pattern_of(diagnosis: LoadingDiagnosis, finding: Finding[ElasticCause]) -> s
     problem, kept, cause = diagnosis.problem, diagnosis.kept, finding.cause
     effect = _effect(diagnosis.problem, diagnosis.extended, cause)
     residual = diagnosis.extended.prediction.residual + effect
-    if cause.name in ("joint_stiffness", "joint_hardening", "joint_backlash", "joint_friction"):
+    if cause.driver in (OWN_TORQUE, DIRECTION):
         return _over_torque(diagnosis, cause, residual, effect)
-    if cause.name == "thermal_drift":
+    if cause.driver == TIME:
         axis = finding.values / max(float(np.linalg.norm(finding.values)), 1e-30)
         dt = problem.data.dt[kept]
         line = np.array([dt.min(), dt.max()])

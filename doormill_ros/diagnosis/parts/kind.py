@@ -27,7 +27,7 @@ from doormill_ros.diagnosis.parts.gauged_door import GaugedDoor
 from doormill_ros.diagnosis.parts.in_use import in_use_document
 from doormill_ros.diagnosis.parts.matching import matched_points
 from doormill_ros.diagnosis.parts.model import door_model_document, usable
-from doormill_ros.diagnosis.parts.next_door import PLACES, next_steps
+from doormill_ros.diagnosis.parts.next_door import PLACES, checks_of, next_steps
 from doormill_ros.diagnosis.parts.next_step import next_document, next_sentence
 from doormill_ros.diagnosis.parts.problem import DoorDiagnosis, DoorProblem
 from doormill_ros.diagnosis.parts.recorded_cut import RecordedCut, recorded_cut
@@ -161,7 +161,8 @@ class Inspections(SearchedKind[InspectedDoor, DoorProblem, InTime]):
             *_slipped(diagnosis, sets),
         ]
         steps = next_steps(diagnosis)
-        account = account_of(diagnosis, self.words, next_sentence(steps), checks)
+        told = next_sentence(steps, checks_of(diagnosis.problem.effects()))
+        account = account_of(diagnosis, self.words, told, checks)
         sections = (
             _facts(diagnosis, sets)
             | unnamed_document(diagnosis, laws)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from doormill_ros.diagnosis.core.finding import Finding
 from doormill_ros.diagnosis.parts.course import InTime
 from doormill_ros.diagnosis.parts.next_step import (
     CHECK,
-    CHECKS,
     MORE_PLACES,
     NOTHING,
     POINTS,
@@ -16,6 +17,7 @@ from doormill_ros.diagnosis.parts.next_step import (
     NextStep,
 )
 from doormill_ros.diagnosis.parts.problem import DoorDiagnosis
+from doormill_ros.robot_model.candidate import Cause
 
 PLACES = 3  #: in which doors have to be milled to tell the joints apart
 DECIDED = 9.2  #: squared distance of two models at which they are told apart 100 to 1
@@ -31,6 +33,11 @@ def next_steps(diagnosis: DoorDiagnosis) -> list[NextStep]:
     if not diagnosis.findings and diagnosis.verdict == "consistent":
         return [NextStep(NOTHING)]
     return [NextStep(RECIPES)]
+
+
+def checks_of(candidates: Iterable[Cause]) -> dict[str, str]:
+    """What shows a cause without another door, by its name, of those of which that is known."""
+    return {cause.name: cause.check for cause in candidates if cause.check}
 
 
 def _between(diagnosis: DoorDiagnosis, finding: Finding[InTime]) -> NextStep:
@@ -50,4 +57,5 @@ def _between(diagnosis: DoorDiagnosis, finding: Finding[InTime]) -> NextStep:
     needed = DECIDED / max(each[best], 1e-12)
     if needed < 2000.0:
         return NextStep(POINTS, *pair, points=round(needed), feature=best[0], recipe=best[1])
-    return NextStep(CHECK, *pair, by=next((name for name in pair if name in CHECKS), ""))
+    checks = checks_of(problem.effects())
+    return NextStep(CHECK, *pair, by=next((name for name in pair if name in checks), ""))

@@ -12,29 +12,37 @@ from doormill_ros.robot_model.elastic.causes.joint_backlash import DisplacementB
 from doormill_ros.robot_model.elastic.causes.tool_bending import ToolBending
 
 
-class ElasticEffect(Effect):
-    """A cause whose twist is in proportion to theta."""
+class LibraryEffect(Effect):
+    """A cause of the elastic library in milled doors: name, place, numbers, bounds and words are the library's."""
 
-    def __init__(self, cause: LinearTwist) -> None:
-        """Take over name, place, numbers and bounds."""
+    def __init__(self, cause: ElasticCause) -> None:
+        """Take over what the cause says of itself."""
         super().__init__(cause.where)
         self.name, self.variant, self.named = cause.name, cause.variant, cause.named
-        self.parameters, self.generalises = cause.parameters, cause.generalises
+        self.parameters, self.generalises, self.check = cause.parameters, cause.generalises, cause.check
         self.courses = self.courses if self.named else ()
         self.scale, self.lower, self.upper = cause.scale, cause.lower, cause.upper
-        self.cause: ElasticCause = cause
+        self.cause = cause
 
     def pattern(self) -> str:
         """What it leaves."""
         return self.cause.pattern()
 
-    def columns(self, case: CutCase) -> FloatArray:
-        """Along the normals."""
-        return case.along(self.cause.derivative(case.load, np.ones(self.size))[:, :3])
-
     def values(self, theta: FloatArray, case: CutCase) -> FloatArray:
         """As the cause reports them."""
         return self.cause.values(theta, case.load)
+
+
+class ElasticEffect(LibraryEffect):
+    """A cause whose twist is in proportion to theta."""
+
+    def __init__(self, cause: LinearTwist) -> None:
+        """Of a cause at its place."""
+        super().__init__(cause)
+
+    def columns(self, case: CutCase) -> FloatArray:
+        """Along the normals."""
+        return case.along(self.cause.derivative(case.load, np.ones(self.size))[:, :3])
 
 
 class MillBending(ElasticEffect):
@@ -50,25 +58,19 @@ class MillBending(ElasticEffect):
         return super().columns(case) * case.cut_by(self.where)[:, None]
 
 
-class Gap(Effect):
+class Gap(LibraryEffect):
     """Backlash of one joint that is open from a torque on; theta is the gap over 1e-4 rad.
 
     Only a few crossing torques are tried: more a door does not tell.
     """
 
-    name = "joint_backlash"
-    parameters = DisplacementBacklash.parameters
     series = "crossing"
 
     def __init__(self, where: str, crossing: float) -> None:
         """Joint, and the torque from which its gap is open [N m]."""
-        super().__init__(where)
-        self.cause, self.crossing, self.variant = DisplacementBacklash(where), crossing, f"{crossing:g} N m"
+        super().__init__(DisplacementBacklash(where))
+        self.crossing, self.variant = crossing, f"{crossing:g} N m"
         self.limit([3.0], 0.0, 200.0)
-
-    def pattern(self) -> str:
-        """What it leaves."""
-        return self.cause.pattern()
 
     def columns(self, case: CutCase) -> FloatArray:
         """Of a gap of 1e-4 rad; where the last motion is not known half of it, which is expected."""

@@ -20,6 +20,7 @@ class LinkOffsets(Unloaded):
     """Theta is what is added to d, a [um], theta and alpha [1e-5 rad] of one link of a Denavit-Hartenberg table."""
 
     name = "link_geometry"
+    check = "measure the robot's poses with a laser tracker"
     courses = (BEGINS,)  # a link is as it was made until something is run into
     rigid = True
     parameters = (CauseParameter("offset", "m", -0.1, 0.1, 2), CauseParameter("angle", "rad", -0.1, 0.1, 2))

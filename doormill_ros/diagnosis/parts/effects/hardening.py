@@ -6,33 +6,26 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.parts.case import CutCase
-from doormill_ros.diagnosis.parts.effects.effect import Effect
+from doormill_ros.diagnosis.parts.effects.elastic import LibraryEffect
 from doormill_ros.robot_model.elastic.causes.cause import index
 from doormill_ros.robot_model.elastic.causes.joint_hardening import JointHardening
 
 _LEAST = 0.05  #: share of the give at no torque that is left at the largest one, at least
 
 
-class Hardening(Effect):
+class Hardening(LibraryEffect):
     """Theta is the spring's give beyond the model's at no torque, and what it loses up to the largest one, as shares.
 
     K = K0 (1 + h |torque|) turns a joint by torque / K0 (1 - h |torque|) to first order in h.
     """
 
-    name, parameters = JointHardening.name, JointHardening.parameters
-    generalises = JointHardening.generalises
     courses = ()  # the law of a spring
 
     def __init__(self, where: str) -> None:
         """Joint."""
-        super().__init__(where)
-        self.cause = JointHardening(where)
+        super().__init__(JointHardening(where))
         self.limit([0.3, 0.3])
         self.lower, self.upper = np.array([-0.9, 0.0]), np.array([30.0, 30.0])
-
-    def pattern(self) -> str:
-        """What it leaves."""
-        return self.cause.pattern()
 
     def columns(self, case: CutCase) -> FloatArray:
         """Give of the model's spring, and that times the share of the largest torque."""

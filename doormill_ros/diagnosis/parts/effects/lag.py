@@ -28,6 +28,7 @@ class PathLag(Unloaded):
     """
 
     name = "path_lag"
+    check = "mill the same pocket at half the feed: what a controller lags falls to a quarter"
     of_robot = False
     courses = (BEGINS, CHANGES)  # the setting of a controller
     parameters = (CauseParameter("corner", "m", 0.0, 1e-2),)

@@ -33,6 +33,7 @@ class Shift(Unloaded):
         scale: list[float],
         report: Callable[[FloatArray], FloatArray] = np.array,
         rigid: bool = True,
+        check: str = "",
     ) -> None:
         """Keep what it does.
 
@@ -45,9 +46,10 @@ class Shift(Unloaded):
             scale: Typical theta.
             report: Parameters of theta.
             rigid: Whether it displaces the tool or the door as a whole.
+            check: What shows it without another door.
         """
         super().__init__(where)
-        self.name, self.parameters, self.rigid = name, parameters, rigid
+        self.name, self.parameters, self.rigid, self.check = name, parameters, rigid, check
         self._columns, self._sentence, self._report = columns, sentence, report
         self.limit(scale)
 
@@ -124,6 +126,7 @@ class Warming(Unloaded):
     """Growth away from the base that comes to rest with a time constant; theta is its end [um]."""
 
     name = "thermal_growth"
+    check = "mill one door cold and the same door after an hour of work"
     of_robot = False
     courses = ()
     drifts = True
@@ -190,6 +193,7 @@ def shifts(mills: Sequence[str]) -> list[Effect]:
             "all doors are milled displaced and turned in the picture's plane by the same amount",
             [50.0, 50.0, 50.0],
             report=_scaled,
+            check="picture a door whose edges were probed in the clamp",
         ),
         Shift(
             "clamp_shift",
@@ -199,6 +203,7 @@ def shifts(mills: Sequence[str]) -> list[Effect]:
             "all doors are milled displaced by the same amount",
             [50.0] * 3,
             report=_scaled,
+            check="picture a door in the clamp before and after milling",
         ),
         *(_of_tool("tool_radius", where, True) for where in mills),
         *(_of_tool("tool_length", where, False) for where in mills),
@@ -218,4 +223,7 @@ def _of_tool(name: str, where: str, walls: bool) -> Shift:
         [20.0],
         report=_scaled,
         rigid=not walls,
+        check="measure the mill, or mill a groove of its width"
+        if walls
+        else "measure the length of the mill",
     )

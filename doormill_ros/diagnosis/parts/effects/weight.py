@@ -19,6 +19,7 @@ class _Weight(Effect):
     """Torques in proportion to theta."""
 
     name = "gravity_sag"
+    check = "mill a shallow pocket at the ends of the door's edge, where the arm reaches farthest and least"
     of_weight = True
     rigid = True
     courses = (BEGINS, CHANGES)  # what hangs on an arm is there or not

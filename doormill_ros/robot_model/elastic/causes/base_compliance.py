@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from doormill_ros.robot_model.elastic.causes.cause import WRENCH
 from doormill_ros.robot_model.elastic.causes.tilting_mount import TiltingMount
 
 
@@ -9,6 +10,8 @@ class BaseCompliance(TiltingMount):
     """The whole robot, its base included, tilts about x and y of the base frame."""
 
     name = "base_compliance"
+    driver = WRENCH
+    check = "press against the robot and read a dial at its foot"
     frame = 0
     first_link = 0
     unit_compliance = 1e-7

@@ -10,6 +10,15 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.candidate import Candidate, number
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
+#: What drives a cause.
+CONSTANT, OWN_TORQUE, DIRECTION, WRENCH, TIME = (
+    "constant",
+    "own torque",
+    "direction",
+    "wrench",
+    "time under load",
+)
+
 
 @dataclass
 class Setup:
@@ -38,9 +47,13 @@ class ElasticCause(Candidate[LoadCase]):
 
     Attributes:
         stage: "setup", "robot" or "tracker".
+        driver: What its size goes with from trial to trial.
+        added_last: Of the tracker's, whether it is added to what is reported when all others have acted.
     """
 
     stage: str = "robot"
+    driver: str = CONSTANT
+    added_last: bool = False
 
     def kinks(self, case: LoadCase) -> FloatArray:
         """Of a torque limit, as a share of the largest torque of the joint: they lie at the torques of the trials."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.candidate import CauseParameter
-from doormill_ros.robot_model.elastic.causes.cause import LinearTwist, index
+from doormill_ros.robot_model.elastic.causes.cause import WRENCH, LinearTwist, index
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
 _SCALE = 1e-7  #: theta 1 is this compliance [rad / (N m)]
@@ -16,6 +16,7 @@ class JointCrossCompliance(LinearTwist):
     """Everything behind the joint tilts about the joint's origin by compliance times transverse moment."""
 
     name = "joint_cross_compliance"
+    driver = WRENCH
     parameters = (CauseParameter("compliance", "rad / (N m)", 0.0, 1e-4),)
     scale = np.array([3.0])
     lower = np.array([0.0])

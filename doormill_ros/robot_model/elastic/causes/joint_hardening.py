@@ -6,7 +6,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.candidate import CauseParameter
-from doormill_ros.robot_model.elastic.causes.cause import ElasticCause, index
+from doormill_ros.robot_model.elastic.causes.cause import OWN_TORQUE, ElasticCause, index
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
 
@@ -14,6 +14,8 @@ class JointHardening(ElasticCause):
     """Theta is model stiffness / K0 - 1, and h times the largest torque of the test."""
 
     name = "joint_hardening"
+    driver = OWN_TORQUE
+    check = "load the joint with two known weights"
     parameters = (
         CauseParameter("stiffness", "N m / rad", 1e3, 1e8),
         CauseParameter("hardening", "1 / (N m)", 0.0, 0.1),

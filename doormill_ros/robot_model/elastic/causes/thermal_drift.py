@@ -6,7 +6,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.candidate import CauseParameter
-from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
+from doormill_ros.robot_model.elastic.causes.cause import TIME, ElasticCause
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
 _SPEED = 1e-7  #: theta 1 [m / s]
@@ -16,6 +16,9 @@ class DisplacementDrift(ElasticCause):
     """Reported displacement = true displacement + velocity times dt."""
 
     name = "thermal_drift"
+    acts_in = "tracker"
+    driver = TIME
+    added_last = True
     parameters = (CauseParameter("velocity", "m / s", -1e-5, 1e-5, 3),)
     scale = np.ones(3)
     lower = np.full(3, -1000.0)

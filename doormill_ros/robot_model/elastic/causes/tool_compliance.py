@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from doormill_ros.robot_model.elastic.causes.cause import WRENCH
 from doormill_ros.robot_model.elastic.causes.tilting_mount import TiltingMount
 
 
@@ -9,6 +10,9 @@ class ToolCompliance(TiltingMount):
     """Everything on the flange tilts about x and y of the flange frame, at its origin."""
 
     name = "tool_compliance"
+    acts_in = "tool"
+    driver = WRENCH
+    check = "press against the spindle and read a dial on the flange"
     frame = 6
     first_link = 6
     unit_compliance = 1e-6

@@ -6,7 +6,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.candidate import CauseParameter
-from doormill_ros.robot_model.elastic.causes.cause import ElasticCause, Setup
+from doormill_ros.robot_model.elastic.causes.cause import WRENCH, ElasticCause, Setup
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
 
@@ -14,6 +14,7 @@ class WrenchFrameRotation(ElasticCause):
     """The true rotation from sensor to flange axes is the stated one plus this angle."""
 
     name = "wrench_frame_rotation"
+    driver = WRENCH
     parameters = (CauseParameter("angle", "rad", -np.pi, np.pi),)
     scale = np.array([0.05])
     lower = np.array([-np.pi])

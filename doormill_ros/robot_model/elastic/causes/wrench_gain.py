@@ -6,7 +6,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.candidate import CauseParameter
-from doormill_ros.robot_model.elastic.causes.cause import ElasticCause, Setup
+from doormill_ros.robot_model.elastic.causes.cause import WRENCH, ElasticCause, Setup
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
 
@@ -14,6 +14,7 @@ class WrenchGain(ElasticCause):
     """The true wrench is the recorded one times the factor."""
 
     name = "wrench_gain"
+    driver = WRENCH
     parameters = (CauseParameter("factor", "1", 0.2, 5.0),)
     scale = np.array([0.1])
     lower = np.array([-0.8])
