@@ -15,6 +15,7 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.candidate import Candidate
 from doormill_ros.robot_model.elastic.causes.cause import LinearTwist
 from doormill_ros.robot_model.elastic.law.memory import let_through
+from doormill_ros.robot_model.elastic.law.parts import Motion, mount, shifted, torsion, yielding
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
 #: Patterns that let a spring vary; a constant cause beside one of them is only its mean value.
@@ -106,16 +107,10 @@ def _full(case: LoadCase, k: int) -> float:
     return float(max(case.largest_torque[k], 1e-9) / case.joint_stiffness[k])
 
 
-def _shift(vectors: list[FloatArray], case: LoadCase, first_link: int) -> FloatArray:
-    twist = np.zeros((len(case), 6, len(vectors)))
-    for i, vector in enumerate(vectors):
-        twist[:, :3, i] = np.where(case.link[:, None] >= first_link, vector, 0.0)
-    return twist
-
-
 def _along_axes(case: LoadCase, size: FloatArray) -> FloatArray:
     """A shift of all points along each axis, by multiples of `_OFFSET`, shape (n,)."""
-    return _shift([_OFFSET * size[:, None] * axis for axis in np.eye(3)], case, 0)
+    everywhere = np.ones(len(case), dtype=bool)
+    return np.stack([shifted(_OFFSET * size[:, None] * axis, everywhere) for axis in np.eye(3)], axis=2)
 
 
 def _over(values: FloatArray) -> FloatArray:
@@ -193,19 +188,19 @@ def _joint_laws(
 
 def _of_joint(k: int, laws: tuple[tuple[str, int, Law, float], ...]) -> list[Pattern]:
     """Those of one joint, of the link behind it and of its bearing."""
-    where = f"joint {k + 1}"
+    where, link = f"joint {k + 1}", f"link {k + 1}"
     return [
         *(Pattern(name, where, size, _joint(k, law), lowest) for name, size, law, lowest in laws),
-        Pattern("link_torsion", f"link {k + 1}", 1, lambda c: _torsion(c, k)),
-        Pattern("bearing_shift", where, 1, lambda c: _shift([_YIELD * c.force], c, k + 1)),
+        Pattern("link_torsion", link, 1, _moved(torsion, link, _TWIST)),
+        Pattern("bearing_shift", where, 1, _moved(yielding(-1), where, _YIELD)),
     ]
 
 
 def _of_all(late: FloatArray, warm: FloatArray) -> list[Pattern]:
     """Those of base, tracker and sensor, and of all springs together."""
     return [
-        Pattern("base_shift", "base", 1, lambda c: _shift([_YIELD * c.force], c, 0)),
-        Pattern("base_turn", "base", 1, _turned_base),
+        Pattern("base_shift", "base", 1, _moved(yielding(0), "base", _YIELD)),
+        Pattern("base_turn", "base", 1, _moved(mount(0, (2,)), "base", _YIELD)),
         Pattern("constant_shift", "tracker", 3, lambda c: _along_axes(c, np.ones(len(c)))),
         Pattern("time_trend", "tracker", 3, lambda c: _along_axes(c, late)),
         Pattern("temperature_trend", "tracker", 3, lambda c: _along_axes(c, warm)),
@@ -216,17 +211,13 @@ def _of_all(late: FloatArray, warm: FloatArray) -> list[Pattern]:
     ]
 
 
-def _turned_base(case: LoadCase) -> FloatArray:
-    """The base turned about z by the moment about that."""
-    return case.rotate(_YIELD * case.moment[:, 0] * np.array([0.0, 0.0, 1.0]), 0, 0)[:, :, None]
+def _moved(motion: Motion, where: str, size: float) -> Callable[[LoadCase], FloatArray]:
+    """A motion of a part of the robot, of this size for amplitude 1."""
 
+    def twists(case: LoadCase) -> FloatArray:
+        return size * np.stack(motion(case, where), axis=2)
 
-def _torsion(case: LoadCase, k: int) -> FloatArray:
-    line = case.origin[:, k + 1] - case.origin[:, k]
-    length = np.linalg.norm(line, axis=1, keepdims=True)
-    axis = line / np.where(length > 1e-9, length, 1.0)
-    along = np.sum(case.moment[:, k + 1] * axis, axis=1, keepdims=True) * axis
-    return case.rotate(_TWIST * length * along, k + 1, k + 1)[:, :, None]
+    return twists
 
 
 def _bias(case: LoadCase) -> FloatArray:

@@ -61,7 +61,7 @@ class TcpLine:
     @property
     def turn(self) -> float:
         """Angle between the two orientations [rad]."""
-        return _angle(self.start, self.end)
+        return angle_between(self.start, self.end)
 
     def poses(self, u: FloatArray) -> FloatArray:
         """T_base_tool, shape (n, 4, 4), at u (n,)."""
@@ -115,7 +115,7 @@ class TcpArc:
         if self.angle > LARGEST_ARC:
             raise ValueError(f"the arc is {rad_to_deg(self.angle):.1f} deg long, allowed are 240 deg")
         self.length = self.radius * self.angle
-        self.turn = _angle(start, end)
+        self.turn = angle_between(start, end)
         self._turning = _Turning(start, end)
 
     def poses(self, u: FloatArray) -> FloatArray:
@@ -149,7 +149,7 @@ class Corner:
     @property
     def turn(self) -> float:
         """Angle turned along the legs [rad]."""
-        return _angle(self.before, self.corner) + _angle(self.corner, self.after)
+        return angle_between(self.before, self.corner) + angle_between(self.corner, self.after)
 
     def poses(self, u: FloatArray) -> FloatArray:
         """T_base_tool, shape (n, 4, 4), at u (n,)."""
@@ -180,7 +180,8 @@ def corner_joints(before: FloatArray, corner: FloatArray, after: FloatArray, u: 
     return (1.0 - w) ** 2 * before + 2.0 * w * (1.0 - w) * corner + w**2 * after
 
 
-def _angle(a: FloatArray, b: FloatArray) -> float:
+def angle_between(a: FloatArray, b: FloatArray) -> float:
+    """Angle by which one pose is turned from another [rad], shapes (4, 4)."""
     return float(np.linalg.norm(Rotation.from_matrix(a[:3, :3].T @ b[:3, :3]).as_rotvec()))
 
 

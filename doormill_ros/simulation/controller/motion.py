@@ -14,6 +14,7 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.simulation.controller.arm import ControllerArm
 from doormill_ros.simulation.controller.coasting import coast
+from doormill_ros.simulation.controller.curves import angle_between
 from doormill_ros.simulation.controller.limits import ControllerLimits
 from doormill_ros.simulation.controller.moves import MotionContext, PlannedMove
 from doormill_ros.simulation.controller.operation.panel import REGAIN_READY, REGAIN_START, Log
@@ -114,8 +115,7 @@ class MotionEngine:
         if not path.row:
             return 0.0, 0.0
         here, there = self._stretches.pose(self.q), path.row[path.head].pose
-        cosine = (np.trace(here[:3, :3].T @ there[:3, :3]) - 1.0) / 2.0
-        return float(np.linalg.norm(here[:3, 3] - there[:3, 3])), float(np.arccos(np.clip(cosine, -1.0, 1.0)))
+        return float(np.linalg.norm(here[:3, 3] - there[:3, 3])), angle_between(here, there)
 
     def until_next(self) -> float:
         """Time until the robot is in its next motion, or stands [s]; 0 when it stands."""

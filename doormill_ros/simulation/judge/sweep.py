@@ -16,6 +16,7 @@ from functools import cached_property
 import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray
+from doormill_ros.frames import inverse
 from doormill_ros.simulation.controller.executed_path import ExecutedPath
 from doormill_ros.simulation.judge.links import FLANGE, Links
 
@@ -87,7 +88,7 @@ class Sweep:
             T_flange_tool: Shape (4, 4).
         """
         commanded = links.frames(executed.q)[FLANGE] @ T_flange_tool
-        bent = executed.T_base_tool @ _inverse(commanded)
+        bent = executed.T_base_tool @ inverse(commanded)
         at_tool = bent @ commanded
         change = np.linalg.norm(np.diff(at_tool[:, :3, 3] - commanded[:, :3, 3], axis=0), axis=1)
         tilt = np.linalg.norm(np.diff(bent[:, :3, :3], axis=0), axis=(1, 2))
@@ -182,11 +183,3 @@ def _blend(values: FloatArray, place: FloatArray) -> FloatArray:
     share = (place - low).reshape(-1, *[1] * (values.ndim - 1))
     blended: FloatArray = values[low] + share * (values[high] - values[low])
     return blended
-
-
-def _inverse(T: FloatArray) -> FloatArray:
-    inverse = np.zeros_like(T)
-    inverse[:, :3, :3] = np.swapaxes(T[:, :3, :3], 1, 2)
-    inverse[:, :3, 3] = -np.einsum("nji,nj->ni", T[:, :3, :3], T[:, :3, 3])
-    inverse[:, 3, 3] = 1.0
-    return inverse
