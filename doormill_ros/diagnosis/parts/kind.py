@@ -254,6 +254,17 @@ def inspected_door(inspection: Inspection, cut: RecordedCut) -> InspectedDoor:
     return InspectedDoor(inspection, door, tuple(int(row) + 1 for row in np.flatnonzero(slipped)))
 
 
+def _outliers(diagnosis: DoorDiagnosis) -> dict[str, list[int]]:
+    """Rows that are gross errors beside the model that was found, counted from 1, by the name of their inspection."""
+    problem, gross = diagnosis.problem, ~diagnosis.kept
+    found: dict[str, list[int]] = {}
+    for number, door in enumerate(problem.doors):
+        rows = door.points.row[gross[problem.door == number]] + 1
+        if len(rows):
+            found[door.name] = sorted([*found.get(door.name, []), *map(int, rows)])
+    return found
+
+
 def _facts(diagnosis: DoorDiagnosis, sets: Sequence[InspectedDoor]) -> dict[str, Any]:
     inspections = [one.inspection for one in sets]
     used = sum(len(door.points) for door in diagnosis.problem.doors)
@@ -267,4 +278,5 @@ def _facts(diagnosis: DoorDiagnosis, sets: Sequence[InspectedDoor]) -> dict[str,
             "slips": sum(len(one.slipped) + len(one.door.points) for one in sets) - used,
             "used": used,
         },
+        "outliers_by_inspection": _outliers(diagnosis),
     }

@@ -60,6 +60,17 @@ def test_a_slip_no_larger_than_what_mills_leave_is_told_by_what_was_found(door, 
     assert told.endswith(f"door_000: {row + 1}.")
 
 
+def test_gross_errors_are_told_by_their_rows_in_the_file_of_their_door(door):
+    inspection, cut = door
+    wrong = (40, 99)
+    moved = slipped(inspection, **{f"row{row}": 12.0 * inspection.noise for row in wrong})
+    one = inspected_door(moved, cut)
+    account = KIND.account(KIND.diagnose([one], lambda line: None), [one], [], lambda line: None)
+    rows = account.sections["outliers_by_inspection"]["door_000"]
+    assert {row + 1 for row in wrong} <= set(rows)
+    assert len(rows) == len(account.outliers) < 6
+
+
 def test_two_slips_side_by_side_are_two(door):
     inspection, _ = door
     assert np.flatnonzero(slips(slipped(inspection, row4=3e-3, row5=3e-3))).tolist() == [4, 5]
