@@ -41,17 +41,26 @@ MODULE DoorBack
     FUNC bool BackKnown(robtarget front)
         ! Whether BackOut gets in front of the feature from where the robot is.
         VAR robtarget here;
-        VAR num apart;
 
         here:=CRobT(\Tool:=toolMill\WObj:=wobjDoor);
-        IF pathFirst=0 OR NOT Deeper(here,front) THEN
+        IF pathFirst=0 OR (NOT Deeper(here,front)) THEN
             RETURN TRUE;
+        ENDIF
+        RETURN OnPath();
+    ENDFUNC
+
+    FUNC bool OnPath()
+        ! Whether the tool stands on the path at the feature.
+        VAR robtarget here;
+
+        IF pathFirst=0 THEN
+            RETURN FALSE;
         ENDIF
         IF NOT PathAtHand() THEN
             RETURN FALSE;
         ENDIF
-        apart:=FromPath(here.trans);
-        RETURN apart<=OFF_PATH;
+        here:=CRobT(\Tool:=toolMill\WObj:=wobjDoor);
+        RETURN FromPath(here.trans)<=OFF_PATH;
     ENDFUNC
 
     PROC BackOut(robtarget front)
@@ -61,7 +70,7 @@ MODULE DoorBack
         VAR num apart;
 
         at:=CRobT(\Tool:=toolMill\WObj:=wobjDoor);
-        IF pathFirst=0 OR NOT Deeper(at,front) THEN
+        IF pathFirst=0 OR (NOT Deeper(at,front)) THEN
             RETURN;
         ENDIF
         apart:=FromPath(at.trans);

@@ -28,7 +28,14 @@ MODULE DoorCell
     VAR num spindleSpeed:=0;
 
     PROC MoveHome()
-        ! Also for the operator, once the tool is clear of the door.
+        ! For the operator, once the tool is clear of the door. What was left of a path is forgotten; a start after a
+        ! door that ended holds the robot.
+        StopSpindle;
+        StartMove;
+        GoHome;
+    ENDPROC
+
+    PROC GoHome()
         MoveAbsJ jposHome,v500,fine,toolMill\WObj:=wobjDoor;
     ENDPROC
 
@@ -76,6 +83,18 @@ MODULE DoorCell
         ENDIF
         RETURN 0;
     ENDFUNC
+
+    PROC WaitForRest()
+        ! Nobody goes to a door while the mill beside it turns.
+        VAR bool late;
+        VAR num answer;
+
+        WaitDI diSpindleStopped,1\MaxTime:=SPINDLE_TIMEOUT\TimeFlag:=late;
+        WHILE late DO
+            answer:=Ask(TXT_SPINDLE_TURNS,TXT_WAIT_REST,TXT_OK,0);
+            WaitDI diSpindleStopped,1\MaxTime:=SPINDLE_TIMEOUT\TimeFlag:=late;
+        ENDWHILE
+    ENDPROC
 
     PROC StopSpindle()
         Reset doSpindleOn;

@@ -66,6 +66,11 @@ MODULE DoorLink
         nameTaken:=FALSE;
     ENDPROC
 
+    PROC DropName()
+        ! Written while a door was clamped it was that door's, read twice maybe: the next one is named anew.
+        RemoveNote EXPECTED_FILE;
+    ENDPROC
+
     PROC RememberRun()
         ! Before the first motion: a run that was begun is spent, however it ends.
         seenRuns{seenNext}:=runId;
@@ -83,6 +88,7 @@ MODULE DoorLink
             ENDIF
             WaitDI diDoorClamped,0;
             doorSpent:=FALSE;
+            DropName;
         ENDIF
         IF diDoorClamped=0 THEN
             ForgetName;
@@ -98,7 +104,7 @@ MODULE DoorLink
                 WaitUntil DoorNamed() OR diDoorClamped=0\PollRate:=NAME_INTERVAL;
             ENDIF
         ENDIF
-        nameTaken:=diDoorClamped=1 AND NOT doorChanged;
+        nameTaken:=diDoorClamped=1 AND (NOT doorChanged);
     ENDPROC
 
     LOCAL FUNC bool DoorNamed()
@@ -108,7 +114,10 @@ MODULE DoorLink
         name:=FirstLine(EXPECTED_FILE);
         IF name<>"" THEN
             RemoveNote EXPECTED_FILE;
-            expectedDoor:=name;
+            ! One that cannot be removed would name every door after this one.
+            IF NOT IsFile("HOME:/"+EXPECTED_FILE) THEN
+                expectedDoor:=name;
+            ENDIF
         ENDIF
         ! The bits of a group do not change together: a number counts when it was the same before.
         number:=giDoorNumber;

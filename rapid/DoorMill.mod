@@ -61,7 +61,7 @@ MODULE DoorMill
             RETURN FALSE;
         ENDIF
         stopReason:=0;
-        stoppedKnown:=FALSE;
+        SetOff;
         BeginEscape 1;
         EndEscape TRUE;
         doorSpent:=TRUE;
@@ -193,9 +193,10 @@ MODULE DoorMill
         millingCutting:=FALSE;
         BeginEscape 1;
         EndEscape TRUE;
-        MoveHome;
+        GoHome;
         doorInHand:=FALSE;
         WatchNothing;
+        WaitForRest;
         TellMilled runId;
         ! Held until the next request, which does not come before the clamp opened. Busy falls after it rose: who sees
         ! neither takes the door for one that came to nothing.
@@ -204,5 +205,6 @@ MODULE DoorMill
         Show TXT_MILLED;
         WaitDI diDoorClamped,0;
         doorSpent:=FALSE;
+        DropName;
     ENDPROC
 ENDMODULE

@@ -14,6 +14,8 @@ MODULE DoorStop
     ! Number of the text that says why the door in hand ended, 0 while it goes on.
     PERS num stopReason:=0;
     VAR string stopDetail:="";
+    ! The program moves the robot along a way that was planned; where it stands then is where it stopped.
+    PERS bool underWay:=FALSE;
     ! Where the robot stood then, and whether that is known.
     PERS jointtarget stoppedAt:=[[0,0,0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
     PERS bool stoppedKnown:=FALSE;
@@ -41,10 +43,13 @@ MODULE DoorStop
     ! A robot that stands farther from where it stopped was jogged [deg].
     LOCAL CONST num STOPPED_TOLERANCE:=0.5;
 
+    ! Motions of a door are left in the program.
+    LOCAL VAR bool motionsLeft:=FALSE;
     LOCAL VAR bool escapeFits:=TRUE;
     LOCAL VAR intnum spindleLost;
     LOCAL VAR intnum doorReleased;
     LOCAL VAR intnum guardOpened;
+    LOCAL VAR intnum toolLost;
     LOCAL VAR intnum doorLeft;
     LOCAL VAR intnum goneOn;
 
@@ -55,6 +60,7 @@ MODULE DoorStop
         Reset doMillAbort;
         CONNECT goneOn WITH OnGoneOn;
         ISignalDO doMillAbort,1,goneOn;
+        motionsLeft:=FALSE;
         ! A start at main comes out of DoorRestarted too.
         StartMove;
     ENDPROC
@@ -63,6 +69,7 @@ MODULE DoorStop
         IDelete spindleLost;
         IDelete doorReleased;
         IDelete guardOpened;
+        IDelete toolLost;
     ENDPROC
 
     PROC WatchLeaving()
@@ -84,6 +91,10 @@ MODULE DoorStop
         ISignalDI diDoorClamped,0,doorReleased;
         CONNECT guardOpened WITH OnGuardOpened;
         ISignalDI diGuardClosed,0,guardOpened;
+        ! The drawbar opens at the rack, where the spindle stands.
+        CONNECT toolLost WITH OnToolLost;
+        ISignalDI diToolClamped,0,toolLost;
+        ISleep toolLost;
         IDelete doorLeft;
         ! An interrupt comes with the change: what was so before is looked at here.
         IF diDoorClamped=0 OR doorChanged THEN
@@ -96,9 +107,16 @@ MODULE DoorStop
         VAR num reason;
 
         ISleep spindleLost;
+        ISleep toolLost;
         IF speed>0 AND diGuardClosed=0 THEN
             Show TXT_WAIT_GUARD;
             WaitDI diGuardClosed,1;
+        ENDIF
+        IF speed>0 THEN
+            IWatch toolLost;
+            IF diToolClamped=0 THEN
+                EndDoor TXT_TOOL_LOOSE,"";
+            ENDIF
         ENDIF
         reason:=RunSpindle(speed);
         IF reason<>0 THEN
@@ -128,16 +146,28 @@ MODULE DoorStop
         ENDIF
         NoteStop reason;
         ClearPath;
+        motionsLeft:=FALSE;
         StartMove;
         ExitCycle;
+    ENDPROC
+
+    PROC SetOff()
+        ! From here on the robot is on its way.
+        stoppedKnown:=FALSE;
+        underWay:=TRUE;
+        motionsLeft:=TRUE;
     ENDPROC
 
     LOCAL PROC NoteStop(num reason)
         IF stopReason=0 THEN
             stopReason:=reason;
         ENDIF
-        stoppedAt:=CJointT();
-        stoppedKnown:=TRUE;
+        ! A robot that was not on its way was jogged, maybe: from there no way was looked at.
+        IF underWay THEN
+            stoppedAt:=CJointT();
+            stoppedKnown:=TRUE;
+        ENDIF
+        underWay:=FALSE;
         ! What the drawbar let go of a tool it holds again.
         Reset doDrawbarOpen;
         ! Busy stays: the tool may stand in the door, which must not be taken out.
@@ -153,11 +183,16 @@ MODULE DoorStop
         EndDoor TXT_RELEASED,"";
     ENDTRAP
 
+    LOCAL TRAP OnToolLost
+        EndDoor TXT_TOOL_LOOSE,"";
+    ENDTRAP
+
     LOCAL TRAP OnDoorLeft
         doorChanged:=TRUE;
         ! The next one is named once it is being loaded.
         nameTaken:=TRUE;
         ForgetName;
+        DropName;
     ENDTRAP
 
     LOCAL TRAP OnGuardOpened
@@ -174,12 +209,16 @@ MODULE DoorStop
     PROC DoorStopped()
         ! STOP, QSTOP: the robot stands. Once all is cut a stop is no reason to give the door up. Before, it is:
         ! nobody sees what the clamp does until the next start. At the rack it always is.
-        IF doorInHand AND (spindleSpeed<>0 OR atRack OR CutsLeft()) THEN
-            StopSpindle;
+        IF GivenUp() THEN
             NoteStop TXT_STOPPED;
         ENDIF
         StopSpindle;
     ENDPROC
+
+    LOCAL FUNC bool GivenUp()
+        ! Whether a stop ends what the robot is doing.
+        RETURN doorInHand AND (stopReason<>0 OR spindleSpeed<>0 OR atRack OR CutsLeft());
+    ENDFUNC
 
     PROC DoorPowered()
         ! POWERON: the outputs fell with the power, what the program knows of the spindle did not.
@@ -193,8 +232,15 @@ MODULE DoorStop
             doorChanged:=TRUE;
             ForgetName;
         ENDIF
-        ! What is left of the path of a door that ended stays unmoved.
-        IF stopReason<>0 THEN
+        IF stopReason=0 AND GivenUp() THEN
+            ! No event told of the stop, as after errors: whether the robot was jogged since nobody knows.
+            underWay:=FALSE;
+            StopSpindle;
+            NoteStop TXT_STOPPED;
+        ENDIF
+        ! What is left of the path of a door that ended stays unmoved. With none left people move it.
+        IF stopReason<>0 AND motionsLeft THEN
+            underWay:=FALSE;
             StopMove;
             ! No way back to the path either: the tool stands in the wood.
             ClearPath;
@@ -256,9 +302,9 @@ MODULE DoorStop
         VAR num answer;
 
         IF doorInHand AND stopReason=0 THEN
-            ! The program pointer was moved to main.
+            ! The program pointer was moved to main after a stop that no event told of.
+            underWay:=FALSE;
             NoteStop TXT_STOPPED;
-            stoppedKnown:=FALSE;
         ENDIF
         reason:=stopReason;
         IF reason<>0 THEN
@@ -270,7 +316,7 @@ MODULE DoorStop
         WHILE NOT AtHome() DO
             IF NOT WayKnown() THEN
                 answer:=Ask(reason,TXT_BY_HAND,TXT_OK,0);
-            ELSEIF stoppedKnown AND NOT NearJoints(CJointT(),stoppedAt,STOPPED_TOLERANCE) THEN
+            ELSEIF NOT StandsOnWay() THEN
                 answer:=Ask(TXT_MOVED,TXT_BY_HAND,TXT_OK,0);
             ELSE
                 answer:=Ask(reason,TXT_ASK_RETRACT,TXT_RETRACT,TXT_JOG);
@@ -279,6 +325,7 @@ MODULE DoorStop
                 ENDIF
             ENDIF
         ENDWHILE
+        WaitForRest;
         Reset doPathBusy;
         IF doorInHand THEN
             answer:=Ask(reason,TXT_ASK_NEXT,TXT_OK,0);
@@ -301,11 +348,18 @@ MODULE DoorStop
         RETURN TRUE;
     ENDFUNC
 
+    LOCAL FUNC bool StandsOnWay()
+        ! Where it stopped. Where nobody saw that, its place on the path itself tells; no way tells as much.
+        IF stoppedKnown THEN
+            RETURN NearJoints(CJointT(),stoppedAt,STOPPED_TOLERANCE);
+        ENDIF
+        RETURN escapeNext=0 AND OnPath();
+    ENDFUNC
+
     LOCAL PROC Retract()
         VAR robtarget there;
 
-        ! From here on the place where it stopped is another one.
-        stoppedKnown:=FALSE;
+        SetOff;
         IF escapeNext=0 THEN
             there:=CalcRobT(escape{1},toolMill\WObj:=wobjDoor);
             BackOut there;
@@ -316,6 +370,7 @@ MODULE DoorStop
             MoveAbsJ escape{escapeNext},v500,fine,toolMill\WObj:=wobjDoor;
             escapeNext:=escapeNext+1;
         ENDWHILE
-        MoveHome;
+        GoHome;
+        motionsLeft:=FALSE;
     ENDPROC
 ENDMODULE

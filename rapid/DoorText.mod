@@ -78,8 +78,10 @@ MODULE DoorText
     CONST num TXT_ASK_TOOL:=68;
     CONST num TXT_MEASURE_TOOL:=69;
     CONST num TXT_ASK_LENGTH:=70;
+    CONST num TXT_TOOL_LOOSE:=71;
+    CONST num TXT_WAIT_REST:=72;
 
-    LOCAL CONST num TEXTS:=70;
+    LOCAL CONST num TEXTS:=72;
     LOCAL CONST num LANGUAGES:=3;
     LOCAL CONST string TABLE{TEXTS,LANGUAGES}:=[
         ["Door milling",
@@ -291,7 +293,13 @@ MODULE DoorText
         "Maal verktoey 1 fra spindelnesen."],
         ["How far does it stand out [mm]?",
         "Wie weit steht es heraus [mm]?",
-        "Hvor langt stikker det ut [mm]?"]];
+        "Hvor langt stikker det ut [mm]?"],
+        ["The tool is not clamped in the spindle.",
+        "Das Werkzeug ist nicht gespannt.",
+        "Verktoeyet er ikke spent fast."],
+        ["Keep the clamp shut until it stands still.",
+        "Spanner zu lassen, bis sie steht.",
+        "Hold spennet lukket til den staar."]];
 
     FUNC string Text(num number)
         IF language<1 OR language>LANGUAGES THEN

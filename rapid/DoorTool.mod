@@ -212,7 +212,7 @@ MODULE DoorTool
         VAR num answer;
 
         atRack:=FALSE;
-        WHILE toolPlace<>CELL_TOOL OR NOT toolMeasured DO
+        WHILE toolPlace<>CELL_TOOL OR (NOT toolMeasured) DO
             IF toolPlace=CELL_TOOL THEN
                 MeasuredByHand;
             ELSE

@@ -330,6 +330,23 @@ def test_constructs_outside_the_subset_are_named_with_file_and_line(load, body, 
     assert re.search(r"test.mod, line 6", caught.value.message)
 
 
+@pytest.mark.parametrize("condition", ["a AND NOT b", "a OR NOT b", "NOT NOT a", "NOT a OR NOT b", "a=NOT b"])
+def test_not_stands_first_or_in_parentheses(load, condition):
+    """RAPID kernel, Expressions: a relation has no NOT, an expression may begin with one."""
+    with pytest.raises(RapidSyntaxError, match="found 'NOT'"):
+        load("VAR bool a; VAR bool b;", f"IF {condition} THEN ENDIF")
+
+
+@pytest.mark.parametrize(
+    ("condition", "holds"),
+    [("NOT a OR b", False), ("a AND (NOT b)", True), ("(NOT b) AND a", True), ("NOT (a AND b)", True)],
+)
+def test_not_turns_what_follows_it(say, condition, holds):
+    assert say(f"TPWrite ValToStr({condition});", "VAR bool a:=TRUE; VAR bool b:=FALSE;") == [
+        str(holds).upper()
+    ]
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [

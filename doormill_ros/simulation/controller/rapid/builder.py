@@ -104,13 +104,14 @@ class _Builder(Transformer[Token, Any]):  # type: ignore[misc]  # lark brings no
         return (items[0],)
 
     def unary(self, meta: Meta, items: Items) -> s.Unary:
-        return s.Unary(meta.line, items[0].upper(), _open(items[1]))
+        operator, operand = items[0].upper(), items[1]
+        if operator == "NOT" and isinstance(operand, s.Binary) and operand.operator == "AND":
+            # NOT has the lowest priority in RAPID and the highest nearly everywhere else.
+            raise self._unsupported("NOT before AND without parentheses", meta.line, "write (NOT a) AND b")
+        return s.Unary(meta.line, operator, _open(operand))
 
     def binary(self, meta: Meta, items: Items) -> s.Binary:
         left, operator, right = items
-        if operator.upper() == "AND" and isinstance(left, s.Unary) and left.operator == "NOT":
-            # NOT has the lowest priority in RAPID and the highest nearly everywhere else.
-            raise self._unsupported("NOT before AND without parentheses", meta.line, "write (NOT a) AND b")
         return s.Binary(meta.line, operator.upper(), _open(left), _open(right))
 
     def variable(self, meta: Meta, items: Items) -> s.Variable:
