@@ -23,7 +23,7 @@ from doormill_ros.abb.target_file.rehearsal import PROGRAM, rehearse
 from doormill_ros.abb.target_file.target_file import check_handover, render_target_file, write_target_file
 from doormill_ros.abb.transports.registry import (
     ANSWER,
-    SIMULATED,
+    SIMULATED_TRANSPORT,
     TRANSPORTS,
     TransportOptions,
     open_transport,
@@ -70,14 +70,14 @@ def code_of(snapshot: HandshakeSnapshot) -> int:
 
 def caution_of(transport: str) -> str:
     """What to do before the cell's robot moves, where the way leads to a real one; empty where there is nothing."""
-    return "" if transport == SIMULATED else load_robot(load_layout().robot).caution
+    return "" if transport == SIMULATED_TRANSPORT else load_robot(load_layout().robot).caution
 
 
 class AbbBridge(ManagedNode):
     """Owns the handshake with the controller; nothing else writes the target file or the ready signal."""
 
     PARAMETERS = (
-        NodeParameter("transport", SIMULATED, "way to the controller", choices=tuple(TRANSPORTS)),
+        NodeParameter("transport", SIMULATED_TRANSPORT, "way to the controller", choices=tuple(TRANSPORTS)),
         NodeParameter("address", "out/controller/HOME", "HOME of simulated_folder, URL of rws1 and rws2"),
         NodeParameter("certificate", "", "PEM file with the controller's certificate, for rws2"),
         NodeParameter("insecure", False, "trust any certificate of the controller, for rws2"),

@@ -135,8 +135,8 @@ def _check_sensors(parser: argparse.ArgumentParser, sensors: list[str]) -> None:
     if not sensors:
         return
     from doormill_ros.cell.layout import CAMERA
-    from doormill_ros.simulation.sensors.registry import SIMULATED
+    from doormill_ros.simulation.sensors.registry import SIMULATED_SENSORS
 
-    allowed = (CAMERA, *SIMULATED)
+    allowed = (CAMERA, *SIMULATED_SENSORS)
     if any(name not in allowed for name in sensors) or len(set(sensors)) < len(sensors):
         parser.error(f"--sensor is {' '.join(sensors)}, allowed are {', '.join(allowed)}, each once")

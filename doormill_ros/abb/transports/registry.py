@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from doormill_ros.abb.transports.rws_http import LinkTimeouts
 
 
-SIMULATED = "simulated_folder"  #: the way to a controller that moves no robot
+SIMULATED_TRANSPORT = "simulated_folder"  #: the way to a controller that moves no robot
 #: Longest wait for one answer of a controller [s], unless somebody knows that it is slower.
 ANSWER = 4.0
 
@@ -65,7 +65,7 @@ def _timeouts(options: TransportOptions) -> LinkTimeouts:
 
 
 TRANSPORTS: dict[str, Callable[[TransportOptions], Transport]] = {
-    SIMULATED: lambda o: SimulatedFolderTransport(o.address, o.answer),
+    SIMULATED_TRANSPORT: lambda o: SimulatedFolderTransport(o.address, o.answer),
     "rws1": _rws1,
     "rws2": _rws2,
 }

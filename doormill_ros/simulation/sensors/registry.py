@@ -57,7 +57,7 @@ def _probe(T_base_door: FloatArray, door: DoorSize, seed: int) -> SimulatedReadi
     return SimulatedReading()
 
 
-SIMULATED: dict[str, SensorTruth] = {
+SIMULATED_SENSORS: dict[str, SensorTruth] = {
     "axis_vision": _three_cameras,
     "photoelectric": _six_beams,
     "touch_probe": _probe,
