@@ -78,7 +78,7 @@ class SensorSimulator(RequestedSensor):
         text = f"{self.value('seed')} {self._doors} {recipe.door_id}"
         self._doors += 1
         found = [
-            (name, SIMULATED_SENSORS[name](T_base_door, door, zlib.crc32(f"{text} {name}".encode())))
+            (name, SIMULATED_SENSORS[name]().sense(T_base_door, door, zlib.crc32(f"{text} {name}".encode())))
             for name in self._names
         ]
         self._readings = [

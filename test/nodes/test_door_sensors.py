@@ -56,13 +56,14 @@ def test_a_simulated_sensor_that_is_slow_is_waited_for(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A busy machine draws its pictures late; that turns no good door into a refused one."""
-    true = SIMULATED_SENSORS["photoelectric"]
+    true = SIMULATED_SENSORS["photoelectric"]()
 
-    def late(*door: Any) -> Any:
-        time.sleep(LATE)
-        return true(*door)
+    class Late:
+        def sense(self, *door: Any) -> Any:
+            time.sleep(LATE)
+            return true.sense(*door)
 
-    monkeypatch.setitem(SIMULATED_SENSORS, "photoelectric", late)
+    monkeypatch.setitem(SIMULATED_SENSORS, "photoelectric", Late)
     alive = {"limit.sign_of_life": PATIENT["limit.sign_of_life"]}
     chosen = CellOptions({"abb_bridge": alive}, sensors=("photoelectric",))
     summary = run_once(DOOR, tmp_path, chosen)
