@@ -23,6 +23,7 @@ from doormill_ros.recipes.quantities import (
     Quantity,
     complaint,
 )
+from doormill_ros.recipes.time_budget import TimeBudget
 from doormill_ros.recipes.tool import Tool
 from doormill_ros.recipes.wrench import WrenchRows, WrenchTable
 from doormill_ros.values import Section
@@ -88,6 +89,8 @@ class Feature(Section):
 
     kind: ClassVar[str] = ""
     sides: ClassVar[tuple[Side, ...]] = tuple(Side)
+    budget: ClassVar[TimeBudget | None] = None  #: None: its time counts to the door's alone
+    is_lock_case: ClassVar[bool] = False  #: others may belong to it
     surrounds: ClassVar[bool] = False  #: round the mouth of the lock case that it belongs to, not through it
 
     id: Name

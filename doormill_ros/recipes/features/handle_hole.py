@@ -14,6 +14,7 @@ from doormill_ros.recipes.quantities import (
     Name,
     Quantity,
 )
+from doormill_ros.recipes.time_budget import TimeBudget
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,6 +30,7 @@ class HandleHole(Feature):
     """
 
     kind: ClassVar[str] = "handle_hole"
+    budget: ClassVar[TimeBudget | None] = TimeBudget("hole_side")
     sides: ClassVar[tuple[Side, ...]] = (Side.FRONT, Side.REAR)
 
     backset: Annotated[float, Quantity("mm", 0.0, 1350.0)]

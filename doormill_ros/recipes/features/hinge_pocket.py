@@ -20,6 +20,7 @@ from doormill_ros.recipes.quantities import (
     complaint,
     schema,
 )
+from doormill_ros.recipes.time_budget import TimeBudget
 
 
 class OutlinePoints(Choice):
@@ -71,6 +72,7 @@ class HingePocket(Feature):
         depth: Depth [m].
     """
 
+    budget: ClassVar[TimeBudget | None] = TimeBudget("hinges", "{count} hinges")
     sides: ClassVar[tuple[Side, ...]] = (Side.FRONT, Side.REAR)
 
     backset: Annotated[float, Quantity("mm", 0.0, 1350.0)]

@@ -11,6 +11,9 @@ from doormill_ros.recipes.outline import RoundedRectangle
 from doormill_ros.recipes.quantities import (
     Quantity,
 )
+from doormill_ros.recipes.time_budget import TimeBudget
+
+LOCK_TIME = TimeBudget("lock_case", "lock case")  #: of a lock case and its face plate
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,6 +48,8 @@ class LockCase(EdgePocket):
     """A lock case mortise: an oblong slot, deep into the edge."""
 
     kind: ClassVar[str] = "lock_case"
+    budget: ClassVar[TimeBudget | None] = LOCK_TIME
+    is_lock_case: ClassVar[bool] = True
 
     @property
     def shape(self) -> RoundedRectangle:
