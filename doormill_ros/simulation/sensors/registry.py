@@ -12,18 +12,18 @@ if TYPE_CHECKING:
 RigLoader = Callable[[], "SensorRig"]
 
 
-def _late(file: str, rig: str) -> RigLoader:
-    """A rig's `load`, imported when it is called: the names stand in a command's help, which needs no numpy."""
+def late_rig(module: str, name: str) -> RigLoader:
+    """`load` of a rig by the full name of its module, imported then: the sensors' names stand in a command's help."""
 
     def load() -> SensorRig:
-        found: SensorRig = getattr(import_module(f"doormill_ros.simulation.sensors.{file}"), rig).load()
-        return found
+        rig: SensorRig = getattr(import_module(module), name).load()
+        return rig
 
     return load
 
 
 SIMULATED_SENSORS: dict[str, RigLoader] = {
-    "axis_vision": _late("axis_vision", "AxisVisionRig"),
-    "photoelectric": _late("photoelectric", "PhotoelectricRig"),
-    "touch_probe": _late("touch_probe", "TouchProbeRig"),
+    "axis_vision": late_rig("doormill_ros.simulation.sensors.axis_vision", "AxisVisionRig"),
+    "photoelectric": late_rig("doormill_ros.simulation.sensors.photoelectric", "PhotoelectricRig"),
+    "touch_probe": late_rig("doormill_ros.simulation.sensors.touch_probe", "TouchProbeRig"),
 }
