@@ -18,7 +18,7 @@ from doormill_ros.recipes.door import DoorSize, Side
 from doormill_ros.recipes.features.base import Feature
 from doormill_ros.recipes.outline import RoundedRectangle
 from doormill_ros.recipes.quantities import Quantity
-from doormill_ros.recipes.time_budget import TimeBudget
+from doormill_ros.recipes.features.time_budget import TimeBudget
 
 
 @dataclass(frozen=True, kw_only=True)

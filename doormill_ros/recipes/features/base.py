@@ -15,6 +15,7 @@ from doormill_ros.frames import rotate_wrench, shift_wrench, transform
 from doormill_ros.recipes.cutting import Cutting, Direction, Passes
 from doormill_ros.recipes.door import R_DOOR_FEATURE, DoorSize, Side
 from doormill_ros.recipes.errors import UnknownReference, WrongType
+from doormill_ros.recipes.features.time_budget import TimeBudget
 from doormill_ros.recipes.force_origin import ForceModel, ForceOrigin
 from doormill_ros.recipes.outline import Outline, RoundedRectangle
 from doormill_ros.recipes.quantities import (
@@ -23,7 +24,6 @@ from doormill_ros.recipes.quantities import (
     Quantity,
     complaint,
 )
-from doormill_ros.recipes.time_budget import TimeBudget
 from doormill_ros.recipes.tool import Tool
 from doormill_ros.recipes.wrench import WrenchRows, WrenchTable
 from doormill_ros.values import Section

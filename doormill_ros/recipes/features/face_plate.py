@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 from doormill_ros.recipes.features.lock_case import LOCK_TIME, EdgePocket
+from doormill_ros.recipes.features.time_budget import TimeBudget
 from doormill_ros.recipes.outline import RoundedRectangle
 from doormill_ros.recipes.quantities import (
     Name,
     Quantity,
 )
-from doormill_ros.recipes.time_budget import TimeBudget
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,12 +9,12 @@ from pydantic import StrictBool
 
 from doormill_ros.recipes.door import DoorSize, Side
 from doormill_ros.recipes.features.base import Feature
+from doormill_ros.recipes.features.time_budget import TimeBudget
 from doormill_ros.recipes.outline import RoundedRectangle
 from doormill_ros.recipes.quantities import (
     Name,
     Quantity,
 )
-from doormill_ros.recipes.time_budget import TimeBudget
 
 
 @dataclass(frozen=True, kw_only=True)

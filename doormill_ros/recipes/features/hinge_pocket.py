@@ -13,6 +13,7 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.recipes.door import DoorSize, Side
 from doormill_ros.recipes.errors import OutOfRange, WrongType
 from doormill_ros.recipes.features.base import Feature
+from doormill_ros.recipes.features.time_budget import TimeBudget
 from doormill_ros.recipes.outline import RoundedRectangle
 from doormill_ros.recipes.quantities import (
     Choice,
@@ -20,7 +21,6 @@ from doormill_ros.recipes.quantities import (
     complaint,
     schema,
 )
-from doormill_ros.recipes.time_budget import TimeBudget
 
 
 class OutlinePoints(Choice):

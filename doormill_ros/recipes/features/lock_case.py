@@ -7,11 +7,11 @@ from typing import Annotated, ClassVar
 
 from doormill_ros.recipes.door import DoorSize, Side
 from doormill_ros.recipes.features.base import Feature
+from doormill_ros.recipes.features.time_budget import TimeBudget
 from doormill_ros.recipes.outline import RoundedRectangle
 from doormill_ros.recipes.quantities import (
     Quantity,
 )
-from doormill_ros.recipes.time_budget import TimeBudget
 
 LOCK_TIME = TimeBudget("lock_case", "lock case")  #: of a lock case and its face plate
 

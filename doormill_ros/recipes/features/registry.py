@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from importlib import import_module
 
 from doormill_ros.recipes.features.base import Feature
-from doormill_ros.recipes.time_budget import TimeBudget
+from doormill_ros.recipes.features.time_budget import TimeBudget
 
 MODULES = (
     "hinge_pocket",
