@@ -26,7 +26,7 @@ from doormill_ros.nodes.folder_camera import FolderCamera
 from doormill_ros.nodes.gige_camera import GigeCamera
 from doormill_ros.operator.token import new_token
 from doormill_ros.resources import share_directory
-from doormill_ros.simulation.sensors.registry import SIMULATED
+from doormill_ros.simulation.sensors.registry import SIMULATED_SENSORS
 
 FILE = share_directory() / "config" / "security" / "policies.xml"
 #: Nodes of one process share its enclave.
@@ -41,7 +41,7 @@ CAMERAS = {
     "gige_camera": partial(GigeCamera, Aravis(None, Exception)),
 }
 #: Stands for every sensor beside the camera: their nodes are of one class.
-SENSOR = next(iter(SIMULATED))
+SENSOR = next(iter(SIMULATED_SENSORS))
 #: What a node may do depends on whether its sensor is the first one, beside it, or alone.
 CELLS = ((CAMERA,), (CAMERA, SENSOR), (SENSOR, CAMERA))
 #: Their names hold a checksum of the controller's address.

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from doormill_ros.recipes.features import registry as features
 from support.source_tree import PACKAGE, ROOT, SOURCES, imports_of
 
 NAME = PACKAGE.name
@@ -153,6 +154,8 @@ def test_every_module_is_reached_from_an_executable() -> None:
     assert starts <= set(graph())
     # Migrations are found by alembic in their folder.
     starts |= {m for m in graph() if ".migrations." in m}
+    # Features are imported by their registry, by the names that it lists.
+    starts |= {f"{NAME}.recipes.features.{module}" for module in features.MODULES}
     assert sorted(set(graph()) - reach(starts, graph())) == []
 
 

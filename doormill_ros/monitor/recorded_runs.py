@@ -15,7 +15,7 @@ RESULT = "/run/result"
 #: end of a run before these.
 ASKED = ("/door/recipe", "/door/localization", "/path/targets")
 #: What a simulated controller tells beside these; a real one never does.
-SIMULATED, EXECUTED_PATH = "/simulation/", "/simulation/executed_path"
+SIMULATED_TOPICS, EXECUTED_PATH = "/simulation/", "/simulation/executed_path"
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ def _is_whole(bag: Path, run_id: str) -> bool:
         missing, wanted = {*ASKED, EXECUTED_PATH}, run_id.encode()
         simulated = False
         for item in (item for path in bag_files(bag) for item in scan(path)):
-            simulated = simulated or SIMULATED in item.channel.topic
+            simulated = simulated or SIMULATED_TOPICS in item.channel.topic
             # Deserializing the paths of a whole shift takes seconds; the id is in the message as it is written.
             if wanted in item.message.data:
                 missing -= {name for name in missing if item.channel.topic.endswith(name)}

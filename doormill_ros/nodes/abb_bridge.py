@@ -21,12 +21,13 @@ from doormill_ros.abb.link_errors import MillingFaultError
 from doormill_ros.abb.spindle_load import SpindleLoadMeter
 from doormill_ros.abb.target_file.rehearsal import PROGRAM, rehearse
 from doormill_ros.abb.target_file.target_file import check_handover, render_target_file, write_target_file
+from doormill_ros.abb.transport_kind import ANSWER, TransportOptions
 from doormill_ros.abb.transports.registry import (
-    ANSWER,
-    SIMULATED,
+    SIMULATED_TRANSPORT,
     TRANSPORTS,
-    TransportOptions,
+    addresses,
     open_transport,
+    users_of,
 )
 from doormill_ros.cell.door_sensors import chosen_sensors
 from doormill_ros.cell.errors import NodeDoubledError
@@ -70,21 +71,26 @@ def code_of(snapshot: HandshakeSnapshot) -> int:
 
 def caution_of(transport: str) -> str:
     """What to do before the cell's robot moves, where the way leads to a real one; empty where there is nothing."""
-    return "" if transport == SIMULATED else load_robot(load_layout().robot).caution
+    return load_robot(load_layout().robot).caution if TRANSPORTS[transport].moves_robot else ""
 
 
 class AbbBridge(ManagedNode):
     """Owns the handshake with the controller; nothing else writes the target file or the ready signal."""
 
     PARAMETERS = (
-        NodeParameter("transport", SIMULATED, "way to the controller", choices=tuple(TRANSPORTS)),
-        NodeParameter("address", "out/controller/HOME", "HOME of simulated_folder, URL of rws1 and rws2"),
-        NodeParameter("certificate", "", "PEM file with the controller's certificate, for rws2"),
-        NodeParameter("insecure", False, "trust any certificate of the controller, for rws2"),
+        NodeParameter("transport", SIMULATED_TRANSPORT, "way to the controller", choices=tuple(TRANSPORTS)),
+        NodeParameter("address", "out/controller/HOME", addresses()),
+        NodeParameter(
+            "certificate", "", f"PEM file with the controller's certificate, for {users_of('certificate')}"
+        ),
+        NodeParameter(
+            "insecure", False, f"trust any certificate of the controller, for {users_of('insecure')}"
+        ),
         NodeParameter(
             "manual_mode",
             False,
-            "in manual mode ask the operator for the remote privilege, for a dry run; over rws1 and rws2",
+            "in manual mode ask the operator for the remote privilege, for a dry run; over "
+            f"{users_of('manual_mode')}",
         ),
         NodeParameter("archive", "out/targets", "folder that keeps a copy of every target file handed over"),
         NodeParameter(

@@ -18,7 +18,7 @@ from doormill_ros.nodes.reporting_node import OK, NodeParameter
 from doormill_ros.nodes.requested_sensor import RequestedSensor
 from doormill_ros.nodes.sensors_parameter import SENSORS_PARAMETER
 from doormill_ros.recipes.door import DoorSize
-from doormill_ros.simulation.sensors.registry import SIMULATED
+from doormill_ros.simulation.sensors.registry import SIMULATED_SENSORS
 
 
 class SensorSimulator(RequestedSensor):
@@ -40,7 +40,7 @@ class SensorSimulator(RequestedSensor):
             BadParameterError: The list of sensors is none.
         """
         self._names = [
-            name for name in chosen_sensors(load_layout(), self.value("sensors")) if name in SIMULATED
+            name for name in chosen_sensors(load_layout(), self.value("sensors")) if name in SIMULATED_SENSORS
         ]
         if not self._names:
             return
@@ -78,7 +78,7 @@ class SensorSimulator(RequestedSensor):
         text = f"{self.value('seed')} {self._doors} {recipe.door_id}"
         self._doors += 1
         found = [
-            (name, SIMULATED[name](T_base_door, door, zlib.crc32(f"{text} {name}".encode())))
+            (name, SIMULATED_SENSORS[name]().sense(T_base_door, door, zlib.crc32(f"{text} {name}".encode())))
             for name in self._names
         ]
         self._readings = [

@@ -26,12 +26,12 @@ ALONE_LIMIT = 10.0  # s
 #: Nodes without which a run comes to nothing, by stage. Those of the simulation are missed only where they have been.
 MILLING = ("controller_simulator",)
 TARGETS = ("path_generator", *MILLING)
-SIMULATED = ("camera_simulator", "sensor_simulator")
+SIMULATED_NODES = ("camera_simulator", "sensor_simulator")
 
 
 def picture_nodes(sensors: Sequence[str]) -> tuple[str, ...]:
     """Nodes without which no pose of the door comes."""
-    return (*map(node_of, sensors), *SIMULATED, *TARGETS)
+    return (*map(node_of, sensors), *SIMULATED_NODES, *TARGETS)
 
 
 def recipe_nodes(sensors: Sequence[str]) -> tuple[str, ...]:

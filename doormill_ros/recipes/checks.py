@@ -23,7 +23,6 @@ from doormill_ros.recipes.errors import (
     UnknownReference,
 )
 from doormill_ros.recipes.features.base import Feature
-from doormill_ros.recipes.features.lock_case import LockCase
 from doormill_ros.recipes.solid import Prism, prism
 from doormill_ros.recipes.wrench import check_segments
 from doormill_ros.units import m_to_mm, rad_s_to_rpm
@@ -204,7 +203,7 @@ def _check_wood(size: DoorSize, feature: Feature, path: str) -> None:
 def _check_reference(
     features: Sequence[Feature], feature: Feature, name: str, prisms: dict[str, Prism], path: str
 ) -> None:
-    cases = {item.id: item for item in features if isinstance(item, LockCase)}
+    cases = {item.id: item for item in features if item.is_lock_case}
     if name not in cases:
         raise UnknownReference(
             path, f"found {name!r}, allowed is one of the lock cases {sorted(cases)}", found=name

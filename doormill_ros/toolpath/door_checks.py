@@ -7,10 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from doormill_ros.recipes.features.face_plate import FacePlate
-from doormill_ros.recipes.features.handle_hole import HandleHole
-from doormill_ros.recipes.features.hinge_pocket import HingePocket
-from doormill_ros.recipes.features.lock_case import LockCase
+from doormill_ros.recipes.features.registry import time_budgets
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.singularity import clearance
@@ -157,15 +154,13 @@ def _budgets(
 ) -> tuple[Budget, ...]:
     cycle = settings.cycle
     kinds = {feature.id: feature for feature in recipe.features}
-    hinges = [t for name, t in by_feature.items() if isinstance(kinds[name], HingePocket)]
-    locks = [t for name, t in by_feature.items() if isinstance(kinds[name], LockCase | FacePlate)]
     budgets = []
-    if hinges:
-        budgets.append(Budget(f"{len(hinges)} hinges", sum(hinges), cycle.hinges))
-    if locks:
-        budgets.append(Budget("lock case", sum(locks), cycle.lock_case))
-    for name, own in by_feature.items():
-        if isinstance(kinds[name], HandleHole):
-            budgets.append(Budget(name, own, cycle.hole_side))
+    for budget in time_budgets():
+        times = {name: own for name, own in by_feature.items() if kinds[name].budget == budget}
+        allowed = cycle.budgets[budget.name]
+        if not budget.words:
+            budgets += [Budget(name, own, allowed) for name, own in times.items()]
+        elif times:
+            budgets.append(Budget(budget.words.format(count=len(times)), sum(times.values()), allowed))
     budgets.append(Budget("door, with probing", time + cycle.probing, cycle.total))
     return tuple(budgets)

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TypeVar
 
 from pydantic.dataclasses import dataclass
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.config import read
 from doormill_ros.frames import rotation_z, transform
+from doormill_ros.recipes.features.registry import time_budgets
 from doormill_ros.resources import resource
 from doormill_ros.toolpath.errors import PathSettingsError
 from doormill_ros.values import Count, Finite, NotNegative, Positive, Section, Vector3
 
 FORM = "config/toolpath.yaml"
+Kind = TypeVar("Kind", bound=type)
 
 
 @dataclass(frozen=True)
@@ -94,9 +97,16 @@ class Checks(Section):
     expected_error: Positive
 
 
+def _with_budgets(section: Kind) -> Kind:
+    """Give a section a key for each time budget that features name."""
+    section.__annotations__.update({budget.name: "Positive" for budget in time_budgets()})
+    return section
+
+
 @dataclass(frozen=True)
+@_with_budgets
 class Cycle(Section):
-    """Times on the controller, and those that appendix A.1 of the thesis allows.
+    """Times on the controller, and those that appendix A.1 of the thesis allows; a key for each budget beside them.
 
     Attributes:
         acceleration: Of the tool centre point [m/s^2].
@@ -107,9 +117,6 @@ class Cycle(Section):
         changing: Putting a tool into its place, or taking one out, from in front of it and back [s].
         measuring: Measuring a tool's length, likewise [s].
         same_spindle: Spindle speeds that differ by a smaller share are one speed.
-        hinges: All hinges of a door [s].
-        hole_side: One handle hole from one side [s].
-        lock_case: The lock case and its face plate [s].
         probing: Finding the door, with the camera [s].
         total: One door from clamp to clamp [s].
     """
@@ -122,11 +129,13 @@ class Cycle(Section):
     changing: NotNegative
     measuring: NotNegative
     same_spindle: NotNegative
-    hinges: Positive
-    hole_side: Positive
-    lock_case: Positive
     probing: Positive
     total: Positive
+
+    @property
+    def budgets(self) -> dict[str, float]:
+        """What features are allowed, by the name of their `TimeBudget` [s]."""
+        return {budget.name: getattr(self, budget.name) for budget in time_budgets()}
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,6 +6,9 @@ import argparse
 import re
 from pathlib import Path
 
+from doormill_ros.enumeration import enumerated
+from doormill_ros.simulation.sensors.registry import SIMULATED_SENSORS
+
 DESCRIPTION = (
     "Run the whole cell in one process on simulated hardware and mill one door, or a shift of doors."
 )
@@ -79,8 +82,8 @@ def _parser() -> argparse.ArgumentParser:
         action="append",
         default=[],
         metavar="NAME",
-        help="what finds the door instead of what config/cell.yaml names: camera, axis_vision, photoelectric or "
-        "touch_probe; several are held against each other, milled is from the first one",
+        help="what finds the door instead of what config/cell.yaml names: camera, "
+        f"{enumerated(SIMULATED_SENSORS, 'or')}; several are held against each other, milled is from the first one",
     )
     parser.add_argument("--no-pictures", action="store_true", help="simulate a broken camera")
     parser.add_argument(
@@ -135,8 +138,7 @@ def _check_sensors(parser: argparse.ArgumentParser, sensors: list[str]) -> None:
     if not sensors:
         return
     from doormill_ros.cell.layout import CAMERA
-    from doormill_ros.simulation.sensors.registry import SIMULATED
 
-    allowed = (CAMERA, *SIMULATED)
+    allowed = (CAMERA, *SIMULATED_SENSORS)
     if any(name not in allowed for name in sensors) or len(set(sensors)) < len(sensors):
         parser.error(f"--sensor is {' '.join(sensors)}, allowed are {', '.join(allowed)}, each once")

@@ -13,7 +13,8 @@ from doormill_ros.abb.credentials import PASSWORD_VARIABLE, USER_VARIABLE
 from doormill_ros.abb.handshake.handshake import Handshake
 from doormill_ros.abb.handshake.state import HandshakeState
 from doormill_ros.abb.link_errors import UnknownTransportError
-from doormill_ros.abb.transports.registry import ANSWER, TRANSPORTS, TransportOptions, open_transport
+from doormill_ros.abb.transport_kind import ANSWER, TransportKind, TransportOptions
+from doormill_ros.abb.transports.registry import TRANSPORTS, addresses, open_transport, users_of
 from doormill_ros.abb.transports.rws_http import LinkTimeouts
 from doormill_ros.abb.transports.simulated_folder import SimulatedFolderTransport
 from support.memory_transport import MemoryTransport
@@ -29,7 +30,7 @@ def test_one_line_makes_a_transport_usable_by_name(monkeypatch: pytest.MonkeyPat
         asked.append(options)
         return MemoryTransport()
 
-    monkeypatch.setitem(TRANSPORTS, "memory", connect)
+    monkeypatch.setitem(TRANSPORTS, "memory", TransportKind(connect, "name", uses=("insecure",)))
     options = TransportOptions("anywhere")
     transport = open_transport("memory", options)
     assert asked == [options]
@@ -42,6 +43,11 @@ def test_one_line_makes_a_transport_usable_by_name(monkeypatch: pytest.MonkeyPat
     assert transport.read_file(signals.TARGET_FILE) == FILE
     with pytest.raises(UnknownTransportError, match="allowed are simulated_folder, rws1, rws2, memory"):
         open_transport("carrier", options)
+    with pytest.raises(UnknownTransportError, match="or rws1, rws2 or memory for a real controller"):
+        open_transport("shared_folder", options)
+    assert addresses() == "HOME of simulated_folder, URL of rws1 and rws2, name of memory"
+    assert users_of("insecure") == "rws2 and memory"
+    assert users_of("manual_mode") == "rws1 and rws2"
 
 
 def test_who_says_how_long_an_answer_takes_is_waited_for_so_long(

@@ -24,7 +24,7 @@ from doormill_ros.nodes import topics
 from doormill_ros.nodes.cell import Cell, CellOptions, run_once
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.recording.replay.replay import replay_bag
-from doormill_ros.simulation.sensors.registry import SIMULATED
+from doormill_ros.simulation.sensors.registry import SIMULATED_SENSORS
 from doormill_ros.units import DEG, MM
 from support.cell_processes import NODES, PATIENT, CellProcesses
 
@@ -56,13 +56,14 @@ def test_a_simulated_sensor_that_is_slow_is_waited_for(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A busy machine draws its pictures late; that turns no good door into a refused one."""
-    true = SIMULATED["photoelectric"]
+    true = SIMULATED_SENSORS["photoelectric"]()
 
-    def late(*door: Any) -> Any:
-        time.sleep(LATE)
-        return true(*door)
+    class Late:
+        def sense(self, *door: Any) -> Any:
+            time.sleep(LATE)
+            return true.sense(*door)
 
-    monkeypatch.setitem(SIMULATED, "photoelectric", late)
+    monkeypatch.setitem(SIMULATED_SENSORS, "photoelectric", Late)
     alive = {"limit.sign_of_life": PATIENT["limit.sign_of_life"]}
     chosen = CellOptions({"abb_bridge": alive}, sensors=("photoelectric",))
     summary = run_once(DOOR, tmp_path, chosen)
@@ -70,7 +71,7 @@ def test_a_simulated_sensor_that_is_slow_is_waited_for(
     assert summary.times.request_to_ready > StageLimits().picture
 
 
-@pytest.mark.parametrize("sensor", sorted(SIMULATED))
+@pytest.mark.parametrize("sensor", sorted(SIMULATED_SENSORS))
 def test_a_door_is_milled_by_each_sensor_instead_of_the_camera(sensor: str, tmp_path: Path) -> None:
     summary = run_once(WIDE.get(sensor, DOOR), tmp_path, options(sensor))
     assert summary.success, summary.message

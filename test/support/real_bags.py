@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from doormill_ros.monitor.recorded_runs import SIMULATED
+from doormill_ros.monitor.recorded_runs import SIMULATED_TOPICS
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.recording.bag_writer import BagWriter
 
@@ -12,7 +12,7 @@ from doormill_ros.recording.bag_writer import BagWriter
 def as_real(bag: Path, folder: Path, close: bool = True) -> Path:
     """Copy a bag without its topics of the simulation; unless closed it is still being recorded."""
     writer = BagWriter(folder)
-    messages = [item for item in read_bag(bag) if SIMULATED not in item.topic]
+    messages = [item for item in read_bag(bag) if SIMULATED_TOPICS not in item.topic]
     for item in messages:
         writer.add_topic(item.topic, item.type_name)
     for item in messages:

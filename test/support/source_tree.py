@@ -10,7 +10,7 @@ PACKAGE = ROOT / "doormill_ros"
 DATA = ROOT / "test" / "data"
 SOURCES = sorted(PACKAGE.rglob("*.py"))
 #: Functions that import the module which their first argument names.
-LATE = ("import_module", "late_class")
+LATE = ("import_module", "late_class", "late_rig")
 
 
 def imports_of(path: Path) -> set[str]:

@@ -351,7 +351,8 @@ def test_a_cycle_that_takes_too_long(cell, recipe):
 @pytest.mark.parametrize(
     ("part", "key", "value"),
     [("correction", "limit", -1.0), ("approach", "retreats", [0.1, "far"]), ("checks", "wrist", float("nan")),
-     ("cycle", "total", None), ("second_robot", "position", [1.0, 2.0]), ("correction", "colour", 1.0)],
+     ("cycle", "total", None), ("second_robot", "position", [1.0, 2.0]), ("correction", "colour", 1.0),
+     ("cycle", "slots", 5.0), ("cycle", "hinges", "long"), ("cycle", "hole_side", None)],
 )  # fmt: skip
 def test_settings_that_cannot_be(tmp_path, part, key, value):
     document = yaml.safe_load(resource("config/toolpath.yaml").read_text(encoding="utf-8"))
@@ -362,6 +363,15 @@ def test_settings_that_cannot_be(tmp_path, part, key, value):
         load_settings(path)
     assert part in error.value.message
     assert str(path) in error.value.message
+
+
+def test_an_unknown_time_budget_is_refused_with_those_that_features_have(tmp_path):
+    path = tmp_path / "toolpath.yaml"
+    text = resource("config/toolpath.yaml").read_text(encoding="utf-8")
+    path.write_text(text.replace("  hole_side:", "  hole_sides:"), encoding="utf-8")
+    words = "cycle.hole_sides is unknown, allowed are .*, hinges, lock_case, hole_side; compare it with"
+    with pytest.raises(errors.PathSettingsError, match=words):
+        load_settings(path)
 
 
 def test_another_robot_works_too(cell, recipe):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -9,6 +11,7 @@ import pytest
 from doormill_ros.cell.shift_summary import ShiftSummary
 from doormill_ros.cell.summary import FeatureError, RunSummary
 from doormill_ros.recipes.documents import shipped_recipes
+from doormill_ros.simulation.sensors.registry import SIMULATED_SENSORS
 from doormill_ros.tools.cell import main
 from doormill_ros.tools.cell_options import parse
 
@@ -29,6 +32,29 @@ def test_options_that_exclude_each_other_are_refused(
         parse(["--door", "a", *more])
     assert stop.value.code == 2
     assert complaint in capsys.readouterr().err
+
+
+def test_a_sensor_of_the_registry_is_in_the_help_and_is_taken(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(SIMULATED_SENSORS, "ultrasound", SIMULATED_SENSORS["touch_probe"])
+    assert parse(["--door", "a", "--sensor", "ultrasound"]).sensor == ["ultrasound"]
+    with pytest.raises(SystemExit):
+        parse(["--door", "a", "--sensor", "sonar"])
+    assert "touch_probe, ultrasound, each once" in capsys.readouterr().err
+    with pytest.raises(SystemExit):
+        parse(["--help"])
+    help_page = " ".join(capsys.readouterr().out.split())
+    assert "names: camera, axis_vision, photoelectric, touch_probe or ultrasound; several" in help_page
+
+
+def test_help_answers_without_numpy() -> None:
+    tell = (
+        "import sys; from doormill_ros.tools import cell, cell_options; cell_options._parser().format_help(); "
+        "print('numpy' in sys.modules)"
+    )
+    told = subprocess.run([sys.executable, "-c", tell], check=True, capture_output=True, text=True)
+    assert told.stdout == "False\n"
 
 
 def test_two_robots_have_the_page_too() -> None:

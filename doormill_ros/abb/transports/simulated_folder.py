@@ -35,6 +35,7 @@ from doormill_ros.abb.link_errors import (
     WriteTimeoutError,
 )
 from doormill_ros.abb.transport import check_file_name
+from doormill_ros.abb.transport_kind import TransportKind
 from doormill_ros.abb.transports.bounded import BoundedCaller, CallTimeout
 from doormill_ros.files import write_atomically
 
@@ -303,3 +304,10 @@ def _remove(path: Path) -> None:
         raise RemoveError(
             f"{path} cannot be removed: {error.strerror}; close the program that holds it", path=str(path)
         ) from error
+
+
+KIND = TransportKind(
+    lambda options: SimulatedFolderTransport(options.address, options.answer),
+    address="HOME",
+    moves_robot=False,
+)

@@ -15,6 +15,7 @@ from doormill_ros.frames import rotate_wrench, shift_wrench, transform
 from doormill_ros.recipes.cutting import Cutting, Direction, Passes
 from doormill_ros.recipes.door import R_DOOR_FEATURE, DoorSize, Side
 from doormill_ros.recipes.errors import UnknownReference, WrongType
+from doormill_ros.recipes.features.time_budget import TimeBudget
 from doormill_ros.recipes.force_origin import ForceModel, ForceOrigin
 from doormill_ros.recipes.outline import Outline, RoundedRectangle
 from doormill_ros.recipes.quantities import (
@@ -88,6 +89,8 @@ class Feature(Section):
 
     kind: ClassVar[str] = ""
     sides: ClassVar[tuple[Side, ...]] = tuple(Side)
+    budget: ClassVar[TimeBudget | None] = None  #: None: its time counts to the door's alone
+    is_lock_case: ClassVar[bool] = False  #: others may belong to it
     surrounds: ClassVar[bool] = False  #: round the mouth of the lock case that it belongs to, not through it
 
     id: Name

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from doormill_ros.recipes.features.lock_case import EdgePocket
+from doormill_ros.recipes.features.lock_case import LOCK_TIME, EdgePocket
+from doormill_ros.recipes.features.time_budget import TimeBudget
 from doormill_ros.recipes.outline import RoundedRectangle
 from doormill_ros.recipes.quantities import (
     Name,
@@ -23,6 +24,7 @@ class FacePlate(EdgePocket):
     """
 
     kind: ClassVar[str] = "face_plate"
+    budget: ClassVar[TimeBudget | None] = LOCK_TIME
     surrounds: ClassVar[bool] = True
 
     corner_radius: Annotated[float, Quantity("mm", 0.0, 50.0)]

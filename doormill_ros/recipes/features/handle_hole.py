@@ -9,6 +9,7 @@ from pydantic import StrictBool
 
 from doormill_ros.recipes.door import DoorSize, Side
 from doormill_ros.recipes.features.base import Feature
+from doormill_ros.recipes.features.time_budget import TimeBudget
 from doormill_ros.recipes.outline import RoundedRectangle
 from doormill_ros.recipes.quantities import (
     Name,
@@ -29,6 +30,7 @@ class HandleHole(Feature):
     """
 
     kind: ClassVar[str] = "handle_hole"
+    budget: ClassVar[TimeBudget | None] = TimeBudget("hole_side")
     sides: ClassVar[tuple[Side, ...]] = (Side.FRONT, Side.REAR)
 
     backset: Annotated[float, Quantity("mm", 0.0, 1350.0)]

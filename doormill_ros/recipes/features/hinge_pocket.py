@@ -13,6 +13,7 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.recipes.door import DoorSize, Side
 from doormill_ros.recipes.errors import OutOfRange, WrongType
 from doormill_ros.recipes.features.base import Feature
+from doormill_ros.recipes.features.time_budget import TimeBudget
 from doormill_ros.recipes.outline import RoundedRectangle
 from doormill_ros.recipes.quantities import (
     Choice,
@@ -71,6 +72,7 @@ class HingePocket(Feature):
         depth: Depth [m].
     """
 
+    budget: ClassVar[TimeBudget | None] = TimeBudget("hinges", "{count} hinges")
     sides: ClassVar[tuple[Side, ...]] = (Side.FRONT, Side.REAR)
 
     backset: Annotated[float, Quantity("mm", 0.0, 1350.0)]

@@ -7,10 +7,13 @@ from typing import Annotated, ClassVar
 
 from doormill_ros.recipes.door import DoorSize, Side
 from doormill_ros.recipes.features.base import Feature
+from doormill_ros.recipes.features.time_budget import TimeBudget
 from doormill_ros.recipes.outline import RoundedRectangle
 from doormill_ros.recipes.quantities import (
     Quantity,
 )
+
+LOCK_TIME = TimeBudget("lock_case", "lock case")  #: of a lock case and its face plate
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,6 +48,8 @@ class LockCase(EdgePocket):
     """A lock case mortise: an oblong slot, deep into the edge."""
 
     kind: ClassVar[str] = "lock_case"
+    budget: ClassVar[TimeBudget | None] = LOCK_TIME
+    is_lock_case: ClassVar[bool] = True
 
     @property
     def shape(self) -> RoundedRectangle:

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from importlib import import_module
 
 from doormill_ros.recipes.features.base import Feature
+from doormill_ros.recipes.features.time_budget import TimeBudget
 
 MODULES = (
     "hinge_pocket",
@@ -27,3 +28,8 @@ def _kinds(name: str) -> Iterator[type[Feature]]:
 
 
 FEATURES: dict[str, type[Feature]] = {kind.kind: kind for name in MODULES for kind in _kinds(name)}
+
+
+def time_budgets() -> tuple[TimeBudget, ...]:
+    """What features count to, each once."""
+    return tuple(dict.fromkeys(kind.budget for kind in FEATURES.values() if kind.budget is not None))

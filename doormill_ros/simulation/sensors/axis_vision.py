@@ -14,11 +14,13 @@ from scipy.special import ndtr
 from doormill_ros.arrays import ByteArray, Float32Array, FloatArray
 from doormill_ros.cell.layout import CellLayout, load_layout
 from doormill_ros.config import read_document
+from doormill_ros.recipes.door import DoorSize
 from doormill_ros.resources import resource
 from doormill_ros.simulation.errors import SceneFileError
 from doormill_ros.simulation.picture.optics import expose, rays
 from doormill_ros.simulation.picture.scene import SceneCamera, Sensor
 from doormill_ros.simulation.sensors.nominal_door import FACES, nominal_corner
+from doormill_ros.simulation.sensors.rig import SimulatedReading
 
 _FINE = 4  # sub-pixels along each axis beside an edge
 _BAND = 8.0  # px on both sides of an edge that are drawn finely
@@ -48,6 +50,12 @@ class AxisVisionRig:
         """The rig of config/sensors/axis_vision.yaml; `changes` set other attributes."""
         path = path or resource("config/sensors/axis_vision.yaml")
         return AxisVisionRig(read_document(path, SceneFileError), load_layout(), **changes)
+
+    def sense(self, T_base_door: FloatArray, door: DoorSize, seed: int) -> SimulatedReading:
+        """See `SensorRig.sense`."""
+        return SimulatedReading(
+            pictures=self.take(T_base_door, door.width, door.height, door.thickness, seed)
+        )
 
     def take(
         self,

@@ -11,9 +11,11 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CellLayout, load_layout
 from doormill_ros.config import read_document
+from doormill_ros.recipes.door import DoorSize
 from doormill_ros.resources import resource
 from doormill_ros.simulation.errors import SceneFileError
 from doormill_ros.simulation.sensors.nominal_door import FACES, beside, nominal_corner, spot_on_face
+from doormill_ros.simulation.sensors.rig import SimulatedReading
 
 _AIM = 2.0e-4  # how well a beam's direction is set up, standard deviation [rad]
 
@@ -37,6 +39,12 @@ class PhotoelectricRig:
         """The rig of config/sensors/photoelectric.yaml."""
         path = path or resource("config/sensors/photoelectric.yaml")
         return PhotoelectricRig(read_document(path, SceneFileError), load_layout(), linearity)
+
+    def sense(self, T_base_door: FloatArray, door: DoorSize, seed: int) -> SimulatedReading:
+        """See `SensorRig.sense`."""
+        return SimulatedReading(
+            distances=self.read(T_base_door, door.width, door.height, door.thickness, seed)
+        )
 
     def read(
         self, T_base_door: FloatArray, width: float, height: float, thickness: float, seed: int

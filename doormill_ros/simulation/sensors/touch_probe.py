@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,11 +12,14 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CellLayout, load_layout
 from doormill_ros.config import read_document
+from doormill_ros.recipes.door import DoorSize
 from doormill_ros.resources import resource
 from doormill_ros.simulation.errors import SceneFileError
 from doormill_ros.simulation.sensors.nominal_door import FACES, beside, nominal_corner, spot_on_face
+from doormill_ros.simulation.sensors.rig import SimulatedReading
 
 _WAVES = 200  # of the robot's error field; enough to be normally distributed
+_TOUCHES = 12  # six give a pose, the others a check
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +39,15 @@ class TouchProbeRig:
         """The rig of config/sensors/touch_probe.yaml."""
         path = path or resource("config/sensors/touch_probe.yaml")
         return TouchProbeRig(read_document(path, SceneFileError), load_layout())
+
+    def sense(self, T_base_door: FloatArray, door: DoorSize, seed: int) -> SimulatedReading:
+        """See `SensorRig.sense`; the arm of the simulated cell has no geometric error, neither milling nor probing."""
+        robot = {**self.document["robot"], "accuracy": 0.0}
+        rig = replace(self, document={**self.document, "robot": robot})
+        with suppress(ValueError):  # it passed beside the door and touched nothing
+            points = rig.touch(T_base_door, door.width, door.height, door.thickness, seed, _TOUCHES)
+            return SimulatedReading(points=points)
+        return SimulatedReading()
 
     def robot_error(self, points: FloatArray, seed: int) -> FloatArray:
         """Where the robot really is minus where it believes to be, at points (n, 3); shape (n, 3) [m].

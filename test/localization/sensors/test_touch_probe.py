@@ -12,7 +12,7 @@ from doormill_ros.localization.sensors.errors import BadReading, BadSensorFile, 
 from doormill_ros.localization.sensors.touch_probe import load_touch_probe
 from doormill_ros.recipes.door import DoorSize
 from doormill_ros.resources import resource
-from doormill_ros.simulation.sensors.registry import SIMULATED
+from doormill_ros.simulation.sensors.registry import SIMULATED_SENSORS
 from doormill_ros.simulation.sensors.touch_probe import TouchProbeRig
 from support.sensors.pose_errors import SIZES, assert_honest, error, mahalanobis, true_pose
 
@@ -144,7 +144,9 @@ def test_what_the_cells_probe_is_off_is_within_what_is_stated(sensor, width):
     for seed in range(40):
         place = DoorOffset(*rng.uniform(-6e-3, 6e-3, 2), rng.uniform(-0.02, 0.02))
         T_base_door = load_layout().T_base_door(width, door.thickness, place)
-        estimate = sensor.locate(SIMULATED["touch_probe"](T_base_door, door, seed).points, door)
+        estimate = sensor.locate(
+            SIMULATED_SENSORS["touch_probe"]().sense(T_base_door, door, seed).points, door
+        )
         missed = twist_between(estimate.T_base_door, T_base_door)
         off.append(missed / np.sqrt(np.diag(estimate.covariance)))
     assert np.all(np.sqrt(np.mean(np.square(off), axis=0)) < 1.0)
