@@ -16,9 +16,9 @@ from doormill_interfaces.msg import AbbStatus, DoorLocalization, SensorLocalizat
 from doormill_ros.abb.controller_names import controller_names
 from doormill_ros.abb.handshake.loop import HandshakeLoop
 from doormill_ros.abb.handshake.sharing import SharedHandshake
+from doormill_ros.abb.handshake.spindle_load import SpindleLoadMeter
 from doormill_ros.abb.handshake.state import HandshakeSnapshot, HandshakeState, HandshakeTimeouts
 from doormill_ros.abb.link_errors import MillingFaultError
-from doormill_ros.abb.spindle_load import SpindleLoadMeter
 from doormill_ros.abb.target_file.rehearsal import PROGRAM, rehearse
 from doormill_ros.abb.target_file.target_file import check_handover, render_target_file, write_target_file
 from doormill_ros.abb.transports.registry import (

@@ -29,7 +29,7 @@ from doormill_ros.simulation.controller.arm import ControllerArm
 from doormill_ros.simulation.controller.rws_server.running import served_cabinet
 from doormill_ros.simulation.controller.rws_server.serving import VERSIONS, serve
 from doormill_ros.simulation.judge.bodies import load_cell
-from doormill_ros.simulation.judged_door import judge_door
+from doormill_ros.simulation.judge.judged_door import judge_door
 from doormill_ros.simulation.robot_cell import RobotCell, RobotCellRun, load_effects
 from doormill_ros.simulation.spindle_load import SpindleWork
 from doormill_ros.simulation.world.cutting_power import CutDoor

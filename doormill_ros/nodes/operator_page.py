@@ -41,11 +41,11 @@ from doormill_ros.nodes.reporting_node import ERROR, OK, NodeParameter
 from doormill_ros.nodes.robots import ROBOTS, in_robot
 from doormill_ros.nodes.run import run_nodes
 from doormill_ros.operator.audit import AuditLog
+from doormill_ros.operator.captioned_picture import CAPTIONS
 from doormill_ros.operator.door_view import door_view, worst_by_feature
 from doormill_ros.operator.ended_run import EndedRun
 from doormill_ros.operator.page_names import is_address, page_names
 from doormill_ros.operator.page_server import PageServer
-from doormill_ros.operator.picture import CAPTIONS, MEDIA_TYPE, encode_picture
 from doormill_ros.operator.run_book import RunBook
 from doormill_ros.operator.server import create_app
 from doormill_ros.operator.shown_door import ShownDoors
@@ -53,6 +53,7 @@ from doormill_ros.operator.state import CellView
 from doormill_ros.operator.token import Keys
 from doormill_ros.operator.token_file import load_keys
 from doormill_ros.operator.view_store import ViewStore
+from doormill_ros.pages.picture import MEDIA_TYPE, encode_picture
 from doormill_ros.recipes.errors import RecipeError
 from doormill_ros.resources import AUDIT, site_folder
 from doormill_ros.toolpath.settings import load_settings

@@ -19,8 +19,8 @@ from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.reporting_node import OK
 from doormill_ros.nodes.robots import ROBOTS, in_robot
 from doormill_ros.simulation.judge.bodies import load_cell
+from doormill_ros.simulation.judge.judged_door import judge_shared_door
 from doormill_ros.simulation.judge.pair import Milled
-from doormill_ros.simulation.judged_door import judge_shared_door
 from doormill_ros.toolpath.settings import load_settings
 from doormill_ros.toolpath.split import split
 

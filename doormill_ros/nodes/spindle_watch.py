@@ -7,8 +7,8 @@ import threading
 from std_msgs.msg import Header
 
 from doormill_interfaces.msg import SpindleLoad
+from doormill_ros.abb.handshake.spindle_load import LoadSample, SpindleLoadMeter
 from doormill_ros.abb.link_errors import LinkError, UnknownSignalError
-from doormill_ros.abb.spindle_load import LoadSample, SpindleLoadMeter
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.reporting_node import NodeParameter
