@@ -5,17 +5,24 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from doormill_ros.cell.topic_names import (
+    DOOR_LOCALIZATION,
+    DOOR_RECIPE,
+    EXECUTED_PATH,
+    PATH_TARGETS,
+    RUN_RESULT,
+    name_of,
+)
 from doormill_ros.recording.bag_folders import newest_bags
 from doormill_ros.recording.bag_reader import bag_files, is_broken_off, read_bag, topics_of
 from doormill_ros.recording.errors import BagError
 from doormill_ros.recording.mcap_scan import scan
 
-RESULT = "/run/result"
 #: What else is asked of an inspected door's run. Topics have no common order: a bag that is being recorded may hold the
 #: end of a run before these.
-ASKED = ("/door/recipe", "/door/localization", "/path/targets")
+ASKED = (DOOR_RECIPE, DOOR_LOCALIZATION, PATH_TARGETS)
 #: What a simulated controller tells beside these; a real one never does.
-SIMULATED, EXECUTED_PATH = "/simulation/", "/simulation/executed_path"
+SIMULATED = "/simulation/"
 
 
 @dataclass(frozen=True)
@@ -103,7 +110,7 @@ def _is_whole(bag: Path, run_id: str) -> bool:
             simulated = simulated or SIMULATED in item.channel.topic
             # Deserializing the paths of a whole shift takes seconds; the id is in the message as it is written.
             if wanted in item.message.data:
-                missing -= {name for name in missing if item.channel.topic.endswith(name)}
+                missing -= {name_of(item.channel.topic, missing)}
     except (BagError, OSError):
         return False
     return not missing - (set() if simulated else {EXECUTED_PATH})
@@ -113,7 +120,7 @@ def _ends(bag: Path) -> dict[str, RecordedEnd]:
     """Runs that ended in a bag, by id; what cannot be read of it holds none."""
     found: dict[str, RecordedEnd] = {}
     try:
-        names = [topic for topic in topics_of(bag) if topic.endswith(RESULT)]
+        names = [topic for topic in topics_of(bag) if name_of(topic, [RUN_RESULT])]
         for item in read_bag(bag, names) if names else ():
             end = item.message
             # Bags of older software tell no version.

@@ -186,7 +186,7 @@ class BagRecorder(ManagedNode):
             if self._wanted or latched:
                 now = self._even_clock.now()
                 self._queue.put(Received(name, bytes(data), now, sample[0] or now))
-                if told is not None and self._runs is not None:
+                if told and self._runs is not None:
                     self._runs.take(told, bytes(data), now)
 
         requested = QoSProfile(

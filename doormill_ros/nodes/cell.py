@@ -18,6 +18,7 @@ from doormill_ros.cell.door_sensors import chosen_sensors, node_of
 from doormill_ros.cell.layout import CAMERA, load_layout
 from doormill_ros.cell.run_folder import RunFolder
 from doormill_ros.cell.summary import RunSummary
+from doormill_ros.cell.two_robots import in_robot
 from doormill_ros.files import write_atomically
 from doormill_ros.interrupts import Terminated
 from doormill_ros.localization.sensors.registry import SENSORS, registered
@@ -35,7 +36,7 @@ from doormill_ros.nodes.model_monitor import ModelMonitor
 from doormill_ros.nodes.operator_page import OperatorPage
 from doormill_ros.nodes.path_generator import PathGenerator
 from doormill_ros.nodes.recipe_database import RecipeDatabaseNode
-from doormill_ros.nodes.robots import ROBOTS, in_robot, robot_arguments
+from doormill_ros.nodes.robots import ROBOTS, robot_arguments
 from doormill_ros.nodes.run import check_start
 from doormill_ros.nodes.sensor_localizer import SensorLocalizer
 from doormill_ros.nodes.sensor_simulator import SensorSimulator

@@ -12,8 +12,9 @@ from rclpy.node import Node
 from doormill_ros.cell.door_sensors import chosen_sensors
 from doormill_ros.cell.layout import CAMERA, load_layout
 from doormill_ros.cell.readiness import OF_A_ROBOT, SHARES, Readiness, needed_nodes
+from doormill_ros.cell.two_robots import in_robot
 from doormill_ros.nodes import topics
-from doormill_ros.nodes.robots import ROBOTS, in_robot
+from doormill_ros.nodes.robots import ROBOTS
 
 PERIOD = 0.1  # s
 

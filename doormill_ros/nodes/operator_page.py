@@ -27,6 +27,7 @@ from doormill_interfaces.msg import (
     TargetArray,
 )
 from doormill_ros.arrays import ByteArray
+from doormill_ros.cell.two_robots import in_robot
 from doormill_ros.localization.errors import BadPicture
 from doormill_ros.messages.from_message import gauged_of, inspection_of, recipe_of
 from doormill_ros.messages.picture import colours_of, picture_of
@@ -38,7 +39,7 @@ from doormill_ros.nodes.convert.verdict import view_of_model
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.operator_control import ACTION, ActionControl
 from doormill_ros.nodes.reporting_node import ERROR, OK, NodeParameter
-from doormill_ros.nodes.robots import ROBOTS, in_robot
+from doormill_ros.nodes.robots import ROBOTS
 from doormill_ros.nodes.run import run_nodes
 from doormill_ros.operator.audit import AuditLog
 from doormill_ros.operator.captioned_picture import CAPTIONS

@@ -10,14 +10,14 @@ from std_msgs.msg import Header
 from doormill_interfaces.msg import DoorPlacement, DoorRecipe, ExecutedPath
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.summary import TOLERANCE
-from doormill_ros.cell.two_robots import FIRST, SECOND
+from doormill_ros.cell.two_robots import FIRST, SECOND, in_robot
 from doormill_ros.frames import DOOR_FRAME
 from doormill_ros.messages.from_message import recipe_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.executed import executed_of, milled_message, placed_at, verdict_message
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.reporting_node import OK
-from doormill_ros.nodes.robots import ROBOTS, in_robot
+from doormill_ros.nodes.robots import ROBOTS
 from doormill_ros.simulation.judge.bodies import load_cell
 from doormill_ros.simulation.judge.judged_door import judge_shared_door
 from doormill_ros.simulation.judge.pair import Milled
