@@ -31,7 +31,7 @@ from doormill_ros.abb.transports.registry import (
 from doormill_ros.cell.door_sensors import chosen_sensors
 from doormill_ros.cell.errors import NodeDoubledError
 from doormill_ros.cell.layout import load_layout
-from doormill_ros.cell.readiness import SHARES
+from doormill_ros.cell.node_names import ABB_BRIDGE, DOOR_SHARES
 from doormill_ros.cell.run import LOCALIZATION
 from doormill_ros.localization.sensors.agreement import rehearse_agreement
 from doormill_ros.messages.from_message import program_of
@@ -142,7 +142,7 @@ class AbbBridge(ManagedNode):
     handshake: SharedHandshake
 
     def __init__(self, **kwargs: Any) -> None:
-        super().__init__("abb_bridge", **kwargs)
+        super().__init__(ABB_BRIDGE, **kwargs)
         self._group = ReentrantCallbackGroup()
         self._apart = MutuallyExclusiveCallbackGroup()
         self._action = MillDoorServer(self, self, self._give_up, self._group)
@@ -174,7 +174,7 @@ class AbbBridge(ManagedNode):
         self._spindle.start()
         needed = recipe_nodes(sensors)
         if self.value("shared"):
-            needed = (*needed, SHARES)
+            needed = (*needed, DOOR_SHARES)
             self.subscribe(topics.SHARE_GO, self._take_word)
         self._attendance = CellAttendance(
             self,

@@ -13,6 +13,7 @@ from std_msgs.msg import Header
 from doormill_interfaces.msg import DoorPlacement, DoorRecipe
 from doormill_ros.cell.door_sensors import chosen_sensors
 from doormill_ros.cell.layout import CAMERA, DoorOffset, load_layout
+from doormill_ros.cell.node_names import CAMERA_SIMULATOR
 from doormill_ros.frames import BASE_FRAME, CAMERA_FRAME
 from doormill_ros.messages.from_message import recipe_of
 from doormill_ros.nodes import topics
@@ -77,7 +78,7 @@ class CameraSimulator(RequestedCamera):
     )
 
     def __init__(self, **kwargs: Any) -> None:
-        super().__init__("camera_simulator", **kwargs)
+        super().__init__(CAMERA_SIMULATOR, **kwargs)
 
     def setup(self) -> None:
         """Load the true camera; subscribe.

@@ -12,6 +12,7 @@ from std_msgs.msg import Header
 
 from doormill_interfaces.msg import DoorPlacement, DoorRecipe, MilledDoor, RunResult, TargetArray
 from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.node_names import CONTROLLER_SIMULATOR
 from doormill_ros.cell.summary import TOLERANCE
 from doormill_ros.cell.two_robots import SECOND
 from doormill_ros.cell.waiting import wait
@@ -92,7 +93,7 @@ class ControllerSimulator(ManagedNode):
 
     def __init__(self, cell: RobotCell | None = None, **kwargs: Any) -> None:
         """Take the controller of doors that were milled before; None for one that is switched on with the node."""
-        super().__init__("controller_simulator", **kwargs)
+        super().__init__(CONTROLLER_SIMULATOR, **kwargs)
         self._switched_on = cell
 
     def setup(self) -> None:

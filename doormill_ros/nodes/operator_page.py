@@ -27,6 +27,7 @@ from doormill_interfaces.msg import (
     TargetArray,
 )
 from doormill_ros.arrays import ByteArray
+from doormill_ros.cell.node_names import ABB_BRIDGE, OPERATOR_PAGE
 from doormill_ros.cell.two_robots import in_robot
 from doormill_ros.localization.errors import BadPicture
 from doormill_ros.messages.from_message import gauged_of, inspection_of, recipe_of
@@ -59,7 +60,6 @@ from doormill_ros.recipes.errors import RecipeError
 from doormill_ros.resources import AUDIT, site_folder
 from doormill_ros.toolpath.settings import load_settings
 
-BRIDGE = "abb_bridge"
 CONTROLLER = "/controller"  # what the bridge tells of it
 SILENCE = 5.0  # s; nodes report on themselves every second
 KEPT_PICTURES = 4
@@ -99,7 +99,7 @@ class OperatorPage(ManagedNode):
 
     def __init__(self, token: str | Keys | None = None, **kwargs: Any) -> None:
         """Show only, unless a token is given that allows control, or one for each role, or a file of them is named."""
-        super().__init__("operator_page", **kwargs)
+        super().__init__(OPERATOR_PAGE, **kwargs)
         self._given = token
         self.url = ""
 
@@ -251,7 +251,7 @@ class OperatorPage(ManagedNode):
             place = self._namespaces.get(namespace)
             if place is None:
                 continue  # of another cell
-            if place in self._places and node == BRIDGE and not status.name.endswith(CONTROLLER):
+            if place in self._places and node == ABB_BRIDGE and not status.name.endswith(CONTROLLER):
                 self._bridges_heard[place] = time.monotonic()
                 self._look_for_bridges()
             fault = status.message if status.level == ERROR else ""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from doormill_ros.cell.readiness import SHARES
+from doormill_ros.cell.node_names import CAMERA_SIMULATOR, DOOR_SHARES, RECIPE_DATABASE, SENSOR_SIMULATOR
 from doormill_ros.cell.topic_names import SHARE_RESULT
 from doormill_ros.cell.two_robots import FIRST, SECOND, in_robot
 from doormill_ros.nodes import topics
@@ -19,7 +19,7 @@ _OF_THE_CELL = (
     topics.SENSOR_LOCALIZATION.name,
     topics.DOOR_PLACEMENT.name,
     "recipes/get",
-    *(f"_alive/{node}" for node in ("recipe_database", "camera_simulator", "sensor_simulator", SHARES)),
+    *(f"_alive/{node}" for node in (RECIPE_DATABASE, CAMERA_SIMULATOR, SENSOR_SIMULATOR, DOOR_SHARES)),
 )
 
 

@@ -9,6 +9,7 @@ from std_msgs.msg import Header
 
 from doormill_interfaces.msg import DoorPlacement, DoorRecipe, ExecutedPath
 from doormill_ros.arrays import FloatArray
+from doormill_ros.cell.node_names import SHARED_DOOR_JUDGE
 from doormill_ros.cell.summary import TOLERANCE
 from doormill_ros.cell.two_robots import FIRST, SECOND, in_robot
 from doormill_ros.frames import DOOR_FRAME
@@ -29,7 +30,7 @@ class SharedDoorJudge(ManagedNode):
     """Waits for the paths of all robots that had something to mill, then inspects the door and judges the motions."""
 
     def __init__(self, **kwargs: Any) -> None:
-        super().__init__("shared_door_judge", **kwargs)
+        super().__init__(SHARED_DOOR_JUDGE, **kwargs)
 
     def setup(self) -> None:
         """Read the cell; subscribe."""
