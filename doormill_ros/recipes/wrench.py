@@ -11,6 +11,7 @@ from pydantic import GetCoreSchemaHandler
 from pydantic_core import CoreSchema
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.frames import WRENCH_COMPONENTS
 from doormill_ros.recipes.errors import MissingField, OutOfRange, UnknownField, WrongType
 from doormill_ros.recipes.quantities import GRID_DECIMALS, complaint, number, schema
 from doormill_ros.recipes.reading import join
@@ -20,7 +21,6 @@ FORCE_LIMIT = 5000.0  #: N; five times what a spindle of 5 kW gives at the speed
 MOMENT_LIMIT = 1000.0  #: N m
 LIMITS = (FORCE_LIMIT,) * 3 + (MOMENT_LIMIT,) * 3
 Six = tuple[float, float, float, float, float, float]
-COMPONENTS = ("fx", "fy", "fz", "mx", "my", "mz")
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,10 @@ class WrenchRows:
         for segment, row in value.items():
             if not isinstance(row, list | tuple) or len(row) != 6:
                 raise complaint(
-                    WrongType, f"found {row!r}, allowed are six numbers {COMPONENTS}", (segment,), found=row
+                    WrongType,
+                    f"found {row!r}, allowed are six numbers {WRENCH_COMPONENTS}",
+                    (segment,),
+                    found=row,
                 )
             rows.append((segment, _six(segment, row)))
         # One order whatever the document's: tables of equal content are equal.
