@@ -13,7 +13,7 @@ from doormill_ros.cell.topic_names import (
     RUN_RESULT,
     name_of,
 )
-from doormill_ros.recording.bag_folders import newest_bags
+from doormill_ros.recording.bag_folders import latest_in_bags, newest_bags, size_of_bag
 from doormill_ros.recording.bag_reader import bag_files, is_broken_off, read_bag, topics_of
 from doormill_ros.recording.errors import BagError
 from doormill_ros.recording.mcap_scan import scan
@@ -77,20 +77,11 @@ class RecordedRuns:
 
     def count(self, since: str, enough: int) -> int:
         """How many runs ended, from one on (empty: of all); counted to `enough` in the bags written to last."""
-        found: set[str] = set()
-        before = 0
-        for folder in newest_bags(self._folder):
-            ended = self._runs(folder)
-            wanted = {run_id for run_id in ended if run_id >= since}
-            found |= wanted
-            before = before + 1 if ended and not wanted else 0
-            if len(found) >= enough or before >= enough:
-                break
-        return len(found)
+        return len(latest_in_bags(self._folder, self._runs, since, enough))
 
     def _runs(self, folder: Path) -> dict[str, RecordedEnd]:
         try:
-            size = sum(file.stat().st_size for file in folder.glob("*.mcap"))
+            size = size_of_bag(folder)
         except OSError:
             return {}
         known = self._known.get(folder)

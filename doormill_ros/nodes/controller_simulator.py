@@ -13,7 +13,7 @@ from std_msgs.msg import Header
 from doormill_interfaces.msg import DoorPlacement, DoorRecipe, MilledDoor, RunResult, TargetArray
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.cell.node_names import CONTROLLER_SIMULATOR
-from doormill_ros.cell.summary import TOLERANCE
+from doormill_ros.cell.tolerance import TOLERANCE
 from doormill_ros.cell.two_robots import SECOND
 from doormill_ros.cell.waiting import wait
 from doormill_ros.frames import BASE_FRAME, DOOR_FRAME

@@ -14,7 +14,7 @@ from doormill_interfaces.msg import DoorInspection, RunResult
 from doormill_interfaces.srv import AcceptModel, HandInInspection, RevertModel
 from doormill_ros.catalogue.inspection_notes import InspectionNotes
 from doormill_ros.cell.node_names import MODEL_MONITOR
-from doormill_ros.cell.summary import TOLERANCE
+from doormill_ros.cell.tolerance import TOLERANCE
 from doormill_ros.diagnosis.runs.limits import MOST
 from doormill_ros.errors import DoormillError
 from doormill_ros.measurements.inspection import CAMERA
