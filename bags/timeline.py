@@ -9,6 +9,7 @@ from typing import Any
 
 import yaml
 
+from doormill_ros.cell import topic_names
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.recording.errors import BadTimelineError
 
@@ -87,11 +88,11 @@ def violations(scenario: Scenario, bag: Path) -> list[str]:
     for item in read_bag(bag):
         topic = item.topic.lstrip("/")
         counts[topic] += 1
-        if topic == "run/result":
+        if topic == topic_names.RUN_RESULT:
             result = item.message
-        elif topic == "path/targets":
+        elif topic == topic_names.PATH_TARGETS:
             targets = item.message
-        elif topic == "abb/status" and item.message.state not in states[-1:]:
+        elif topic == topic_names.ABB_STATUS and item.message.state not in states[-1:]:
             states.append(item.message.state)
     wrong = [
         f"{counts[topic]} messages of {topic} instead of {number}"

@@ -16,7 +16,7 @@ from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot_model.elastic.joint_springs import JointSpringModel
 from doormill_ros.simulation.controller.executed_path import ExecutedPath
-from doormill_ros.simulation.milled_part import inspect
+from doormill_ros.simulation.judge.milled_part import inspect
 from doormill_ros.toolpath.generate import generate_program
 from harness import Entry, compare
 from support.pinocchio_model import PinocchioKinematics

@@ -25,6 +25,8 @@ BASE_FRAME = "base_link"
 DOOR_FRAME = "door"
 CAMERA_FRAME = "camera_optical_frame"
 TOOL_FRAME = "tool"
+#: Names of the six numbers of a wrench.
+WRENCH_COMPONENTS = ("fx", "fy", "fz", "mx", "my", "mz")
 
 
 def rotations() -> Any:

@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from doormill_ros.errors import LONGEST, DoormillError
-from doormill_ros.measurements.picture_set import SCHEMA as PICTURES
 from doormill_ros.measurements.picture_set import read_picture_set
+from doormill_ros.measurements.schemas import PICTURE_SET as PICTURES
 from doormill_ros.measurements.set_document import SetDocument
 from doormill_ros.models.store import RECORD, ModelStore
 from doormill_ros.recipes.documents import load_recipe

@@ -47,7 +47,7 @@ def read_rows(folder: Path) -> BagRows:
     collector = RunCollector(recorder_of(folder))
     try:
         for item in read_bag(folder, topic_of):
-            collector.take(str(topic_of(item.topic)), item.message, item.stamp_ns)
+            collector.take(topic_of(item.topic), item.message, item.stamp_ns)
     except BadRunRecordError as error:
         raise BadRunRecordError(f"bag {folder}: {error.message}", bag=str(folder)) from error
     return finished(folder, collector)

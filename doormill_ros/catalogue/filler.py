@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from doormill_ros.catalogue.run_collector import RunCollector
+from doormill_ros.cell.topic_names import RUN_RESULT
 from doormill_ros.errors import DoormillError, unexpected
-from doormill_ros.recording.run_topics import RUN_RESULT
 
 if TYPE_CHECKING:
     from doormill_ros.catalogue.database import Catalogue

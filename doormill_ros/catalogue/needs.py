@@ -9,10 +9,11 @@ from pathlib import Path
 
 from doormill_ros.catalogue.bag_rows import DESCRIPTION
 from doormill_ros.catalogue.errors import BadRetentionError, BadRunRecordError
+from doormill_ros.cell.node_names import MODEL_MONITOR
 from doormill_ros.config import read_document
 from doormill_ros.resources import resource, site_folder
 
-NODES, MONITOR, PARAMETER, SHIPPED = "config/nodes.yaml", "model_monitor", "inspections", "out/inspections"
+NODES, PARAMETER, SHIPPED = "config/nodes.yaml", "inspections", "out/inspections"
 
 
 @dataclass(frozen=True)
@@ -91,7 +92,9 @@ def monitor_folders() -> list[Path]:
     document = read_document(resource(NODES), BadRetentionError, "correct it, or name the folder")
     nodes = document if isinstance(document, dict) else {}
     named = [
-        _parameter(node) for name, node in nodes.items() if str(name).rsplit("/", 1)[-1] in (MONITOR, "**")
+        _parameter(node)
+        for name, node in nodes.items()
+        if str(name).rsplit("/", 1)[-1] in (MODEL_MONITOR, "**")
     ]
     folders = [name for name in named if name] or [SHIPPED]
     places = {base.absolute() / name for name in folders for base in (Path(), site_folder())}

@@ -11,21 +11,22 @@ from typing import Any
 
 from doormill_ros.catalogue.errors import BadRunRecordError
 from doormill_ros.catalogue.run import NO_VERSION, CataloguedRun
+from doormill_ros.cell.topic_names import DOOR_LOCALIZATION, DOOR_RECIPE, PATH_TARGETS, RUN_RESULT, name_of
 from doormill_ros.errors import one_line
 from doormill_ros.messages.stamps import nanoseconds_of
 from doormill_ros.recipes.stamp import STAMP
-from doormill_ros.recording.run_topics import LOCALIZATION, RECIPE, RUN_RESULT, TARGETS
 
-TOPICS = (RECIPE, LOCALIZATION, TARGETS, RUN_RESULT)  #: that tell of a run, without the cell's namespace
+#: That tell of a run, without the cell's namespace.
+TOPICS = (DOOR_RECIPE, DOOR_LOCALIZATION, PATH_TARGETS, RUN_RESULT)
 SOFTWARE, CELL = "software", "cell"  #: keys of what the recorder says of itself in metadata.yaml
 LONGEST_NAME = 200  # characters of a run's or a door's name
 _LARGEST = 2**63 - 1  # of a database's whole numbers
 _STAGES = ("picture_to_pose", "pose_to_targets", "targets_to_ready", "request_to_ready")
 
 
-def topic_of(full_name: str) -> str | None:
-    """The one of `TOPICS` that a full topic name stands for, with or without a namespace."""
-    return next((topic for topic in TOPICS if full_name.endswith(f"/{topic}")), None)
+def topic_of(full_name: str) -> str:
+    """The one of `TOPICS` that a full topic name stands for, with or without a namespace; empty for none."""
+    return name_of(full_name, TOPICS)
 
 
 @dataclass
@@ -84,7 +85,7 @@ class RunCollector:
             cell, software = (one_line(self._recorder.get(key, "")) for key in (CELL, SOFTWARE))
             told = self._told[run_id] = _Told(CataloguedRun(run_id, cell=cell, software=software))
         self._touched[run_id] = None
-        if topic == LOCALIZATION:
+        if topic == DOOR_LOCALIZATION:
             if message.accepted:
                 told.poses[nanoseconds_of(message.header.stamp)] = _pose(message)
             return False
@@ -164,7 +165,7 @@ def _read_result(told: _Told, message: Any, stamp_ns: int | None) -> None:
     )
 
 
-_READERS = {RECIPE: _read_recipe, TARGETS: _read_targets, RUN_RESULT: _read_result}
+_READERS = {DOOR_RECIPE: _read_recipe, PATH_TARGETS: _read_targets, RUN_RESULT: _read_result}
 
 
 def _pose(message: Any) -> dict[str, Any]:

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from doormill_ros.cell.errors import BadParameterError
 from doormill_ros.cell.layout import CAMERA, CellLayout
-
-#: The node of the camera; every other sensor's node has the sensor's name.
-LOCALIZER = "door_localizer"
+from doormill_ros.cell.node_names import DOOR_LOCALIZER
 
 
 def chosen_sensors(layout: CellLayout, named: str = "") -> tuple[str, ...]:
@@ -30,4 +28,4 @@ def chosen_sensors(layout: CellLayout, named: str = "") -> tuple[str, ...]:
 
 def node_of(sensor: str) -> str:
     """Name of the node that finds the door with a sensor."""
-    return LOCALIZER if sensor == CAMERA else sensor
+    return DOOR_LOCALIZER if sensor == CAMERA else sensor

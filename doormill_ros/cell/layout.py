@@ -40,6 +40,10 @@ class DoorOffset:
     rotation: float = 0.0
 
 
+#: What a door's displacement is in, as `DoorOffset` names it [m, m, rad].
+OFFSETS = ("y", "z", "rotation")
+
+
 @dataclass(frozen=True)
 class PlacementLimits(Section):
     """Largest absolute door offset that the cell accepts: y, z [m], rotation [rad]."""

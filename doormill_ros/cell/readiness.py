@@ -6,15 +6,24 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from doormill_ros.cell.door_sensors import LOCALIZER, node_of
+from doormill_ros.cell.door_sensors import node_of
+from doormill_ros.cell.node_names import (
+    ABB_BRIDGE,
+    BAG_RECORDER,
+    DOOR_LOCALIZER,
+    MODEL_MONITOR,
+    OPERATOR_PAGE,
+    PATH_GENERATOR,
+    RECIPE_DATABASE,
+)
 
-NEEDED = ("recipe_database", LOCALIZER, "path_generator", "abb_bridge", "bag_recorder")
+NEEDED = (RECIPE_DATABASE, DOOR_LOCALIZER, PATH_GENERATOR, ABB_BRIDGE, BAG_RECORDER)
 #: Started with them; milling goes on without.
-BESIDE = ("model_monitor", "operator_page")
+BESIDE = (MODEL_MONITOR, OPERATOR_PAGE)
 #: Of two robots each has these in its namespace.
-OF_A_ROBOT = ("path_generator", "abb_bridge")
-SHARES = "door_shares"  #: gives them the word
-CONTROLLER = "abb_bridge/controller"  #: what the bridge says of the controller; not every transport can tell
+OF_A_ROBOT = (PATH_GENERATOR, ABB_BRIDGE)
+#: What the bridge says of the controller; not every transport can tell.
+CONTROLLER = f"{ABB_BRIDGE}/controller"
 #: A node that has not been heard of for so long counts as gone [s].
 SILENCE = 3.0
 WELL, WARNED, FAILED = 0, 1, 2  #: levels of diagnostics; what is above counts as FAILED
@@ -24,7 +33,7 @@ IDLE = ("inactive", "unconfigured")
 
 def needed_nodes(sensors: Sequence[str]) -> tuple[str, ...]:
     """Nodes without which a cell with these sensors mills no door."""
-    return tuple(name for name in NEEDED if name != LOCALIZER) + tuple(map(node_of, sensors))
+    return tuple(name for name in NEEDED if name != DOOR_LOCALIZER) + tuple(map(node_of, sensors))
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,8 @@ from pathlib import Path
 
 from doormill_ros.cell.layout import DoorOffset
 from doormill_ros.cell.schemas import RUN
+from doormill_ros.cell.tolerance import TOLERANCE
 from doormill_ros.files import write_atomically
-
-TOLERANCE = 0.5e-3  # m, section 1.3 of the thesis
 
 
 @dataclass(frozen=True)

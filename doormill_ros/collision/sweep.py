@@ -49,10 +49,9 @@ class Contact:
         return f"{self.body} and {self.obstacle}"
 
 
-def contact_at(world: World, q: FloatArray, cutting: bool = False) -> Contact | None:
+def contact_at(world: World, q: FloatArray) -> Contact | None:
     """The pair that is closest in one posture, None where all keep the clearance; q of shape (6,) [rad]."""
-    pairs = np.flatnonzero(world.outside_cut) if cutting else np.arange(len(world.names))
-    return _contact_of(world, q, pairs)
+    return _contact_of(world, q, np.arange(len(world.names)))
 
 
 def meets_again(world: World, q: FloatArray, found: Contact) -> bool:
@@ -74,7 +73,6 @@ def contact_along(
     q: FloatArray,
     bulge: FloatArray | None = None,
     *,
-    cutting: bool = False,
     pairs: IntArray | None = None,
 ) -> Contact | None:
     """The first contact found on a way through postures, None where it is proven that there is none.
@@ -83,11 +81,10 @@ def contact_along(
         world: The bodies.
         q: Postures, joint by joint on a straight line from each to the next, shape (n, 6) [rad].
         bulge: How far each joint may leave those lines, shape (n - 1, 6) [rad]; None for not at all.
-        cutting: The mill is in the wood, so only pairs outside the cut count.
         pairs: Which pairs count; None for all of them.
     """
     if pairs is None:
-        pairs = np.flatnonzero(world.outside_cut) if cutting else np.arange(len(world.names))
+        pairs = np.arange(len(world.names))
     needed = world.clearance + (RESERVE - HAIR if bulge is None else 0.0)
     ways = deque([(q, bulge, pairs)] if len(pairs) else [])
     looks = 0

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from doormill_ros.measurements.errors import SetMixError
+from doormill_ros.measurements.schemas import INSPECTION, MEASUREMENT_SET, MOTION_SET, PICTURE_SET, POSE_SET
 from doormill_ros.measurements.set_document import SetDocument
 
 if TYPE_CHECKING:
@@ -48,19 +49,17 @@ def late_class(module: str, name: str) -> Callable[..., Kind[Any, Any]]:
 
 #: Every kind; `diagnose` takes its options from them.
 KINDS = (
+    ListedKind(MEASUREMENT_SET, late_class("doormill_ros.diagnosis.loading.kind", "LoadingTests")),
+    ListedKind(POSE_SET, late_class("doormill_ros.diagnosis.pose.kind", "Poses")),
+    ListedKind(MOTION_SET, late_class("doormill_ros.diagnosis.motion.kind", "Motions")),
     ListedKind(
-        "doormill/measurement-set/1", late_class("doormill_ros.diagnosis.loading.kind", "LoadingTests")
-    ),
-    ListedKind("doormill/pose-set/1", late_class("doormill_ros.diagnosis.pose.kind", "Poses")),
-    ListedKind("doormill/motion-set/1", late_class("doormill_ros.diagnosis.motion.kind", "Motions")),
-    ListedKind(
-        "doormill/picture-set/1",
+        PICTURE_SET,
         late_class("doormill_ros.diagnosis.camera.kind", "Pictures"),
         "pictures",
         "pictures of a moved door",
     ),
     ListedKind(
-        "doormill/inspection/1",
+        INSPECTION,
         late_class("doormill_ros.diagnosis.parts.kind", "Inspections"),
         "inspections",
         "one or many inspected doors",

@@ -96,8 +96,7 @@ def process_forces_of(folder: Path) -> ProcessForces:
         MillingError: A segment has too few samples, or the rests do not tell the spindle's weight.
     """
     document = SetDocument(folder / FILE_NAME)
-    if document.get("schema") != SCHEMA:
-        raise document.fail(("schema",), f"is {document.get('schema')!r}, allowed is {SCHEMA}")
+    document.check_schema(SCHEMA)
     try:
         kinematics = Kinematics(load_robot(str(document.get("robot"))))
     except RobotError as error:

@@ -12,7 +12,7 @@ from functools import cached_property, lru_cache
 import cv2
 import numpy as np
 
-from doormill_ros.arrays import ByteArray, Float32Array, FloatArray
+from doormill_ros.arrays import ByteArray, Float32Array, FloatArray, IntArray
 from doormill_ros.localization.errors import NoEdge
 from doormill_ros.localization.quartered import quartered
 from doormill_ros.localization.view import BOTTOM, HINGE, FaceView
@@ -136,14 +136,19 @@ class Steps:
         self, across: float, tilt: float, start: float, stop: float, quantile: float = 0.5
     ) -> float:
         """Quantile of the steps on a line between two places along it; 0 where there are none [grey levels]."""
+        rows, columns = self.under_line(across, tilt, start, stop)
+        if rows.size == 0:
+            return 0.0
+        found = np.sort(self.rows[rows, np.minimum(np.maximum(columns, 0), len(self.where.across) - 1)])
+        return float(found[int(quantile * (found.size - 1) + 0.5)])
+
+    def under_line(self, across: float, tilt: float, start: float, stop: float) -> tuple[IntArray, IntArray]:
+        """Rows and columns under a line between two places along it, shape (m,) each; columns may lie outside."""
         where = self.where
         first, last = np.searchsorted(where.along, [start, stop])
-        chosen = np.arange(first, last)
-        if chosen.size == 0:
-            return 0.0
-        at = np.rint((across + tilt * where.along[chosen] - where.across[0]) / where.step).astype(int)
-        found = np.sort(self.rows[chosen, np.minimum(np.maximum(at, 0), len(where.across) - 1)])
-        return float(found[int(quantile * (found.size - 1) + 0.5)])
+        rows = np.arange(first, last)
+        at = np.rint((across + tilt * where.along[rows] - where.across[0]) / where.step).astype(int)
+        return rows, at
 
 
 def find_steps(small: Float32Array, where: Band, tilts: FloatArray, free: float, reach: float) -> Steps:

@@ -103,6 +103,11 @@ class CameraModel:
         """
         return replace(self, k=k, distortion=distortion, size=size)
 
+    @property
+    def focal(self) -> float:
+        """Focal length, the geometric mean of both directions [px]."""
+        return math.sqrt(self.k[0, 0] * self.k[1, 1])
+
     @cached_property
     def _lens(self) -> tuple[list[float], list[float]]:
         """Distortion, and focal lengths, skew and centre, as numbers: faster with arrays than NumPy's own."""

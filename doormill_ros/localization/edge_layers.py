@@ -6,6 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.localization.edge_line import EdgeLine
 from doormill_ros.localization.errors import WrongEdge
 from doormill_ros.localization.shade import BESIDE, PITCH, WELL, Surfaces
@@ -138,11 +139,14 @@ class EdgeLayers:
 
     def _bevelled(self, k: int, other: EdgeLayers) -> float:
         """How far from the face's own end strip k would seem to end if it were a bevel of 45 degrees [m]."""
+        run = 1 if self.edge == HINGE else 0
+        return abs(float(self.sight.view.sight(self.corner_of(k, other))[run])) * 0.5 * self.width(k)
+
+    def corner_of(self, k: int, other: EdgeLayers) -> FloatArray:
+        """Where line k meets the other edge's face, y and z on the plane of the face, shape (2,) [m]."""
         high = self.lines[k].at(self.corner)
         end = other.lines[other.first].at(high)
-        run = 1 if self.edge == HINGE else 0
-        point = np.array([high, end] if self.edge == HINGE else [end, high])
-        return abs(float(self.sight.view.sight(point)[run])) * 0.5 * self.width(k)
+        return np.array([high, end] if self.edge == HINGE else [end, high])
 
     def width(self, k: int) -> float:
         """Of a strip at the corner [m]."""

@@ -70,10 +70,8 @@ def _lies_behind(one: EdgeLayers, k: int, other: EdgeLayers, j: int) -> bool | N
     mine, its = (
         read_width(e.sight, e.edge, e.lines[i], e.lines[i + 1], e.corner) for e, i in ((one, k), (other, j))
     )
-    high = one.lines[k].at(one.corner)
-    end = other.lines[other.first].at(high)
     view = one.sight.view
-    outside = -view.distance * view.sight(np.array([high, end] if one.edge == HINGE else [end, high]))
+    outside = -view.distance * view.sight(one.corner_of(k, other))
     own, across = outside if one.edge == HINGE else outside[::-1]
     shrinks = float((its - mine) / (own - across))
     if abs(its - mine) > _SHRINKS and 0.0 < shrinks < 1.0:

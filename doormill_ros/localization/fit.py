@@ -248,6 +248,13 @@ def fit_corner(hinge: LineFit, bottom: LineFit, squareness: float, limit: float)
     return CornerFit(pose, covariance, apart, float(np.sqrt(read)))
 
 
+def crossing(hinge: LineFit, bottom: LineFit, p: float, q: float) -> tuple[float, float]:
+    """Where lines of slopes p and q through the middles of two edges cross, y and z [m]."""
+    a, b = hinge.place - p * hinge.middle, bottom.place - q * bottom.middle
+    y = (a + p * b) / (1 - p * q)
+    return y, b + q * y
+
+
 def _joined(hinge: LineFit, bottom: LineFit, squareness: float) -> tuple[FloatArray, FloatArray]:
     """Pose y, z [m], rotation [rad], shape (3,), and its covariance (3, 3); doors are askew by `squareness` [rad]."""
     # Two readings of the rotation: turn, and turn + skew with skew ~ N(0, squareness^2).
@@ -258,9 +265,7 @@ def _joined(hinge: LineFit, bottom: LineFit, squareness: float) -> tuple[FloatAr
     angles = np.array([[by_bottom + by_door, -by_bottom], [-by_bottom, by_hinge + by_bottom]]) / determinant
     turn, skew = (angles @ [turn_h * by_hinge + turn_b * by_bottom, turn_b * by_bottom]).tolist()
     p, q = -tan(turn), tan(turn + skew)
-    a, b = hinge.place - p * hinge.middle, bottom.place - q * bottom.middle
-    y = (a + p * b) / (1 - p * q)
-    z = b + q * y
+    y, z = crossing(hinge, bottom, p, q)
     # Small changes: dy = d(place_h) - (z - middle_h) d(turn), dz = d(place_b) + (y - middle_b) d(turn + skew).
     lever_h, lever_b = z - hinge.middle, y - bottom.middle
     jacobian = np.array([[1, 0, -lever_h, 0], [0, 1, lever_b, lever_b], [0, 0, 1, 0]])

@@ -27,14 +27,12 @@ def parallels(
 ) -> tuple[FloatArray, Float32Array]:
     """Parallels of a line up to `reach` beside it [m]: offsets (m,) [m], steps between two places along (n, m)."""
     where = steps.where
-    first, last = np.searchsorted(where.along, [start, stop])
-    chosen = np.arange(first, last)
+    rows, at = steps.under_line(line.across, line.tilt, start, stop)
     number = int(reach / where.step)
     offsets = np.arange(-number, number + 1)
-    at = np.rint((line.across + line.tilt * where.along[chosen] - where.across[0]) / where.step).astype(int)
     columns = at[:, None] + offsets
     np.minimum(np.maximum(columns, 0, out=columns), len(where.across) - 1, out=columns)
-    found: Float32Array = steps.rows[chosen[:, None], columns]
+    found: Float32Array = steps.rows[rows[:, None], columns]
     return np.multiply(offsets, where.step, dtype=float), found
 
 

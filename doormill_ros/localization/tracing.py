@@ -15,7 +15,7 @@ from doormill_ros.localization.both_rims import EdgeRead, find_borders
 from doormill_ros.localization.coarse import Sighted
 from doormill_ros.localization.edge_line import EdgeLine
 from doormill_ros.localization.errors import LocalizationError
-from doormill_ros.localization.fit import LineFit, fit_line, pooled
+from doormill_ros.localization.fit import LineFit, crossing, fit_line, pooled
 from doormill_ros.localization.layers import choose
 from doormill_ros.localization.neighbourhood import EVERY, WIDE_HALF, Neighbourhood, look_around
 from doormill_ros.localization.profiles import Profiles, measure, plain_weights
@@ -69,9 +69,7 @@ def _poses(lines: dict[str, LineFit]) -> dict[str, FloatArray]:
     A right angle is not asked for yet, so that a wrong pair of lines shows as such in the end.
     """
     p, q = lines[HINGE].slope, lines[BOTTOM].slope
-    a, b = lines[HINGE].place - p * lines[HINGE].middle, lines[BOTTOM].place - q * lines[BOTTOM].middle
-    y = (a + p * b) / (1 - p * q)
-    z = b + q * y
+    y, z = crossing(lines[HINGE], lines[BOTTOM], p, q)
     return {HINGE: np.array([y, z, -np.arctan(p)]), BOTTOM: np.array([y, z, np.arctan(q)])}
 
 

@@ -45,7 +45,7 @@ class FaceView:
         self._corner_seen = (self.corner - self._T_base_camera[:3, 3]) @ rotation
         self._plane_seen = np.ascontiguousarray(rotation[1:3].T)
         self.distance = float(self.corner[0] - self._T_base_camera[0, 3])
-        self.pixel = float(self.distance / np.sqrt(camera.k[0, 0] * camera.k[1, 1]))
+        self.pixel = self.distance / camera.focal
 
     def pixels(self, points: FloatArray) -> FloatArray:
         """Pixels u, v (..., 2) of face points (..., 2) [m]."""

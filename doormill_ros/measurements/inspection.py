@@ -15,10 +15,10 @@ import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.errors import DataSetError
+from doormill_ros.measurements.schemas import INSPECTION
 from doormill_ros.measurements.set_document import SetDocument
 from doormill_ros.measurements.trial_table import TrialTable
 
-SCHEMA = "doormill/inspection/1"
 DESCRIPTION, TABLE = "inspection.yaml", "points.csv"
 BESIDE_BAG = "inspection"  #: folder of an inspection in the folder of its run
 SURFACES = ("wall", "floor")
@@ -111,8 +111,7 @@ def read_inspection(folder: Path, bag_of: Callable[[str], Path | None] = nowhere
     for key in document.data:
         if key not in KEYS:
             raise document.fail((str(key),), f"is unknown, allowed are {', '.join(KEYS)}")
-    if document.get("schema") != SCHEMA:
-        raise document.fail(("schema",), f"is {document.get('schema')!r}, allowed is {SCHEMA}")
+    document.check_schema(INSPECTION)
     run_id = document.text("run_id")
     bag = _bag(document, folder, run_id, bag_of)
     datum = document.get("datum")

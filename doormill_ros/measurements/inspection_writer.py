@@ -10,7 +10,8 @@ from typing import Protocol
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.files import write_atomically
-from doormill_ros.measurements.inspection import CAMERA, COLUMNS, DESCRIPTION, SCHEMA, TABLE
+from doormill_ros.measurements.inspection import CAMERA, COLUMNS, DESCRIPTION, TABLE
+from doormill_ros.measurements.schemas import INSPECTION
 
 
 class MeasuredPoints(Protocol):
@@ -73,7 +74,7 @@ def write_inspection(
         rows.append(",".join([feature, surface, *(f"{value:.9f}" for value in (*point, *normal, deviation))]))
     write_atomically(folder / TABLE, "\n".join(rows) + "\n")
     lines = {
-        "schema": SCHEMA,
+        "schema": INSPECTION,
         "run_id": run_id,
         "bag": os.path.relpath(bag, folder),
         "measured_at": f"{measured_at.astimezone(UTC):%Y-%m-%dT%H:%M:%SZ}",

@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from doormill_ros.frames import WRENCH_COMPONENTS
+from doormill_ros.measurements.schemas import MEASUREMENT_SET
 from doormill_ros.measurements.set_document import SetDocument
 from doormill_ros.measurements.si_units import (
     DISPLACEMENT,
@@ -22,10 +24,8 @@ from doormill_ros.measurements.trials import Noise, Reflector, Trials
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.errors import RobotError
 
-SCHEMA = "doormill/measurement-set/1"
 JOINT_COLUMNS = tuple(f"q{k}" for k in range(1, 7))
 DIRECTION_COLUMNS = tuple(f"a{k}" for k in range(1, 7))
-WRENCH_COLUMNS = ("fx", "fy", "fz", "mx", "my", "mz")
 DISPLACEMENT_COLUMNS = ("dx", "dy", "dz")
 COLUMNS = (
     "trial",
@@ -34,7 +34,7 @@ COLUMNS = (
     "temperature",
     *JOINT_COLUMNS,
     *DIRECTION_COLUMNS,
-    *WRENCH_COLUMNS,
+    *WRENCH_COMPONENTS,
     "reflector",
     *DISPLACEMENT_COLUMNS,
 )
@@ -61,8 +61,7 @@ def read_measurement_set(folder: str | Path) -> MeasurementSet:
     """
     folder = Path(folder)
     document = SetDocument(folder / "set.yaml")
-    if document.get("schema") != SCHEMA:
-        raise document.fail(("schema",), f"is {document.get('schema')!r}, allowed is {SCHEMA}")
+    document.check_schema(MEASUREMENT_SET)
     robot = document.text("robot")
     try:
         dh = load_robot(robot).dh
@@ -147,7 +146,7 @@ def _trials(table: TrialTable, reflectors: dict[str, Reflector]) -> dict[str, An
         "temperature": table.numbers("temperature", may_be_empty=True),
         "q": q,
         "direction": direction,
-        "wrench": table.block(WRENCH_COLUMNS),
+        "wrench": table.block(WRENCH_COMPONENTS),
         "reflector": np.array(names),
         "displacement": displacement,
     }

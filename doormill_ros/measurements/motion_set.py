@@ -11,6 +11,7 @@ import numpy as np
 from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.measurements.errors import SetMixError
 from doormill_ros.measurements.sample_times import even_times
+from doormill_ros.measurements.schemas import MOTION_SET
 from doormill_ros.measurements.set_document import SetDocument
 from doormill_ros.measurements.si_units import JOINT_ANGLE, check_cells
 from doormill_ros.measurements.trial_table import TrialTable
@@ -18,7 +19,6 @@ from doormill_ros.robot_model.motion.quiet_torque import quiet_torque
 from doormill_ros.robot_model.motion.view import JointMotion
 from doormill_ros.units import DEG
 
-SCHEMA = "doormill/motion-set/1"
 #: Numbers of joints that a robot may have.
 JOINTS = (6, 7)
 STANDS = 1e-6  #: range of a joint that stands, at most [rad]
@@ -72,8 +72,7 @@ def read_motion_set(folder: Path) -> MotionSet:
         MotionTableError: Its times are uneven or do not fit the rate, or it is too short.
     """
     document = SetDocument(folder / "set.yaml")
-    if document.get("schema") != SCHEMA:
-        raise document.fail(("schema",), f"is {document.get('schema')!r}, allowed is {SCHEMA}")
+    document.check_schema(MOTION_SET)
     rate = document.number("rate", positive=True)
     joints = _joints(document)
     ratio, stiffness = (

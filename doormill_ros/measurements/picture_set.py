@@ -18,19 +18,18 @@ from pathlib import Path
 import numpy as np
 
 from doormill_ros.arrays import ByteArray, FloatArray
-from doormill_ros.cell.layout import DoorOffset
+from doormill_ros.cell.layout import OFFSETS, DoorOffset
 from doormill_ros.files import is_file
 from doormill_ros.localization.camera import CameraModel, load_camera
 from doormill_ros.localization.errors import BadPicture
 from doormill_ros.localization.picture_file import read_picture
 from doormill_ros.localization.settings import LocalizerSettings, load_settings
+from doormill_ros.measurements.schemas import PICTURE_SET
 from doormill_ros.measurements.set_document import SetDocument
 from doormill_ros.measurements.trial_table import TrialTable
 from doormill_ros.resources import resource
 
-SCHEMA = "doormill/picture-set/1"
-PLACE_COLUMNS = ("y", "z", "rotation")
-COLUMNS = ("picture", "t", *PLACE_COLUMNS)
+COLUMNS = ("picture", "t", *OFFSETS)
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,8 +86,7 @@ def read_picture_set(folder: Path) -> PictureSet:
         BadCameraFile: The camera file cannot be used.
     """
     document = SetDocument(folder / "set.yaml")
-    if document.get("schema") != SCHEMA:
-        raise document.fail(("schema",), f"is {document.get('schema')!r}, allowed is {SCHEMA}")
+    document.check_schema(PICTURE_SET)
     camera_file = resource("config/camera.yaml")
     if document.data.get("camera") is not None:
         camera_file = folder / document.text("camera")
@@ -97,7 +95,7 @@ def read_picture_set(folder: Path) -> PictureSet:
                 ("camera",), f"is {document.get('camera')!r}, allowed is a file in the folder"
             )
     table = TrialTable(folder / "pictures.csv", COLUMNS)
-    time, moved = table.numbers("t"), table.block(PLACE_COLUMNS)
+    time, moved = table.numbers("t"), table.block(OFFSETS)
     for row in np.flatnonzero(np.diff(time) < 0.0):
         raise table.fail(int(row) + 1, "t", f"{time[row + 1]:g} follows {time[row]:g}, times have to ascend")
     for array in (time, moved):

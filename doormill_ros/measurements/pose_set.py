@@ -14,6 +14,7 @@ from scipy.spatial.transform import Rotation
 from doormill_ros.arrays import BoolArray, FloatArray, IntArray
 from doormill_ros.errors import DataSetError
 from doormill_ros.measurements.errors import PoseTableError
+from doormill_ros.measurements.schemas import POSE_SET
 from doormill_ros.measurements.set_document import SetDocument
 from doormill_ros.measurements.si_units import DISTANCE, JOINT_ANGLE, LENGTH, TWIST, check_cells, check_values
 from doormill_ros.measurements.trial_table import TrialTable
@@ -21,7 +22,6 @@ from doormill_ros.robot_model.pose.link_masses import LinkMass, published_masses
 from doormill_ros.robot_model.pose.stance import UPRIGHT, Stance
 from doormill_ros.robot_model.pose.view import SetView
 
-SCHEMA = "doormill/pose-set/1"
 #: Numbers of joints that a robot may have.
 JOINTS = (6, 7)
 POSITION_COLUMNS = ("x", "y", "z")
@@ -119,8 +119,7 @@ def read_pose_set(folder: Path) -> PoseSet:
         DataSetError: A file is missing, or a value cannot be used; the message names file, line and column.
     """
     document = SetDocument(folder / "set.yaml")
-    if document.get("schema") != SCHEMA:
-        raise document.fail(("schema",), f"is {document.get('schema')!r}, allowed is {SCHEMA}")
+    document.check_schema(POSE_SET)
     same_as = _same_as(document)
     dh = _dh(document)
     joints = tuple(f"q{k}" for k in range(1, len(dh) + 1))

@@ -18,11 +18,11 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.errors import DataSetError
 from doormill_ros.files import NotUtf8, read_utf8
+from doormill_ros.frames import WRENCH_COMPONENTS
 from doormill_ros.measurements.errors import RawFileError
 from doormill_ros.measurements.si_units import DISTANCE
 
 TRACKER_COLUMNS = ("t", "x", "y", "z")
-WRENCH_COLUMNS = ("fx", "fy", "fz", "mx", "my", "mz")
 _ALIASES = {"time": "t", "tx": "mx", "ty": "my", "tz": "mz"}
 _A16_TIME_COLUMN = 11
 #: More than any force sensor of this class reads [N], [N m]; catches millivolts and counts.
@@ -75,19 +75,19 @@ def read_force_log(path: str | Path) -> Recording:
     """
     path = Path(path)
     table = _read_table(path)
-    names = _header_order(table, ("t", *WRENCH_COLUMNS))
+    names = _header_order(table, ("t", *WRENCH_COMPONENTS))
     if names is None:
         if table.width == 7:
-            names = {name: i for i, name in enumerate(("t", *WRENCH_COLUMNS))}
+            names = {name: i for i, name in enumerate(("t", *WRENCH_COMPONENTS))}
         elif table.width >= _A16_TIME_COLUMN:
-            names = {name: i for i, name in enumerate(WRENCH_COLUMNS)} | {"t": _A16_TIME_COLUMN - 1}
+            names = {name: i for i, name in enumerate(WRENCH_COMPONENTS)} | {"t": _A16_TIME_COLUMN - 1}
         else:
             problem = (
                 f"the line has {table.width} columns; without a header a force log has 7 (t, fx ... mz) "
                 f"or at least {_A16_TIME_COLUMN} (fx ... mz first, time in column {_A16_TIME_COLUMN})"
             )
             raise _error(path, table.lines[0], table.width, problem)
-    columns = [names[c] for c in WRENCH_COLUMNS]
+    columns = [names[c] for c in WRENCH_COMPONENTS]
     wrench = table.numbers[:, columns]
     _limit(path, table, wrench, columns, _LARGEST_READING, "no force sensor of this class reads that much")
     return Recording(path, _time(path, table, names["t"]), wrench)

@@ -30,6 +30,7 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import rotate_wrench, rotation_from_vector, rotation_z
 from doormill_ros.measurements.loading import Loadings
 from doormill_ros.measurements.raw_files import read_force_log, read_tracker_file
+from doormill_ros.measurements.schemas import RAW_LOADING_TESTS
 from doormill_ros.measurements.set_document import SetDocument
 from doormill_ros.measurements.si_units import TWIST, check_values
 from doormill_ros.measurements.steady import SteadyWindow, steady_window
@@ -38,7 +39,6 @@ from doormill_ros.robot.description import Robot, load_robot
 from doormill_ros.robot.errors import RobotError
 from doormill_ros.robot.kinematics import Kinematics
 
-SCHEMA = "doormill/raw-loading-tests/1"
 FILE_NAME = "loading_tests.yaml"
 
 
@@ -112,8 +112,7 @@ class _Reader:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.document = SetDocument(folder / FILE_NAME)
-        if self.document.get("schema") != SCHEMA:
-            raise self.document.fail(("schema",), f"is {self.document.get('schema')!r}, allowed is {SCHEMA}")
+        self.document.check_schema(RAW_LOADING_TESTS)
         try:
             self.robot = load_robot(self.document.text("robot"))
         except RobotError as error:

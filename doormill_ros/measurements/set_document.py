@@ -88,6 +88,15 @@ class SetDocument:
             value = named[key]
         return value
 
+    def check_schema(self, allowed: str) -> None:
+        """Refuse a document of another form.
+
+        Raises:
+            SetDescriptionError: Its schema is missing or not the one allowed.
+        """
+        if self.get("schema") != allowed:
+            raise self.fail(("schema",), f"is {self.get('schema')!r}, allowed is {allowed}")
+
     def text(self, *keys: str) -> str:
         """A text, or the text of a number.
 

@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from doormill_ros.cell.layout import OFFSETS
 from doormill_ros.units import m_to_mm, rad_to_mrad
 
 STEP, DRIFT = "step", "drift"
-_AXES = ("y", "z", "rotation")
 #: Of one shift, as doors were found and as marks show it; the first that is there is said.
 _SAID = ("offset", "moved", "factor")
 
@@ -116,7 +116,7 @@ def _sizes(name: str, value: Any, unit: str) -> list[ChangeSize]:
     if isinstance(value, list):  # along all axes, or the first of them
         return [
             ChangeSize(f"{name}_{axis}", float(one), own)
-            for axis, own, one in zip(_AXES, unit.split(", "), value, strict=False)
+            for axis, own, one in zip(OFFSETS, unit.split(", "), value, strict=False)
         ]
     return [ChangeSize(name, float(value), unit)]
 

@@ -16,13 +16,14 @@ from pathlib import Path
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.cell.topic_names import RUN_RESULT, name_of
 from doormill_ros.errors import DoormillError
 from doormill_ros.files import write_atomically
 from doormill_ros.measurements.inspection import Inspection, read_inspection
 from doormill_ros.measurements.inspection_writer import write_inspection
 from doormill_ros.messages.stamps import seconds_of
 from doormill_ros.monitor.errors import InspectionMessageError, KeepingError, UnknownRunError
-from doormill_ros.monitor.recorded_runs import RESULT, RecordedRuns
+from doormill_ros.monitor.recorded_runs import RecordedRuns
 from doormill_ros.recording.bag_reader import read_bag, topics_of
 
 DOOR = "door.json"
@@ -242,7 +243,7 @@ class KeptDoors:
 
 def _milled_at(bag: Path, run_id: str) -> str:
     """When a run ended by its bag, ISO 8601."""
-    names = [topic for topic in topics_of(bag) if topic.endswith(RESULT)]
+    names = [topic for topic in topics_of(bag) if name_of(topic, [RUN_RESULT])]
     stamps = [item.message.header.stamp for item in read_bag(bag, names) if item.message.run_id == run_id]
     moment = seconds_of(stamps[-1]) if stamps else 0.0
     return datetime.fromtimestamp(moment, UTC).isoformat(timespec="microseconds") if moment else ""

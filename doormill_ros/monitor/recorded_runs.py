@@ -5,17 +5,24 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from doormill_ros.recording.bag_folders import newest_bags
+from doormill_ros.cell.topic_names import (
+    DOOR_LOCALIZATION,
+    DOOR_RECIPE,
+    EXECUTED_PATH,
+    PATH_TARGETS,
+    RUN_RESULT,
+    name_of,
+)
+from doormill_ros.recording.bag_folders import latest_in_bags, newest_bags, size_of_bag
 from doormill_ros.recording.bag_reader import bag_files, is_broken_off, read_bag, topics_of
 from doormill_ros.recording.errors import BagError
 from doormill_ros.recording.mcap_scan import scan
 
-RESULT = "/run/result"
 #: What else is asked of an inspected door's run. Topics have no common order: a bag that is being recorded may hold the
 #: end of a run before these.
-ASKED = ("/door/recipe", "/door/localization", "/path/targets")
+ASKED = (DOOR_RECIPE, DOOR_LOCALIZATION, PATH_TARGETS)
 #: What a simulated controller tells beside these; a real one never does.
-SIMULATED_TOPICS, EXECUTED_PATH = "/simulation/", "/simulation/executed_path"
+SIMULATED_TOPICS = "/simulation/"
 
 
 @dataclass(frozen=True)
@@ -70,20 +77,11 @@ class RecordedRuns:
 
     def count(self, since: str, enough: int) -> int:
         """How many runs ended, from one on (empty: of all); counted to `enough` in the bags written to last."""
-        found: set[str] = set()
-        before = 0
-        for folder in newest_bags(self._folder):
-            ended = self._runs(folder)
-            wanted = {run_id for run_id in ended if run_id >= since}
-            found |= wanted
-            before = before + 1 if ended and not wanted else 0
-            if len(found) >= enough or before >= enough:
-                break
-        return len(found)
+        return len(latest_in_bags(self._folder, self._runs, since, enough))
 
     def _runs(self, folder: Path) -> dict[str, RecordedEnd]:
         try:
-            size = sum(file.stat().st_size for file in folder.glob("*.mcap"))
+            size = size_of_bag(folder)
         except OSError:
             return {}
         known = self._known.get(folder)
@@ -103,7 +101,7 @@ def _is_whole(bag: Path, run_id: str) -> bool:
             simulated = simulated or SIMULATED_TOPICS in item.channel.topic
             # Deserializing the paths of a whole shift takes seconds; the id is in the message as it is written.
             if wanted in item.message.data:
-                missing -= {name for name in missing if item.channel.topic.endswith(name)}
+                missing -= {name_of(item.channel.topic, missing)}
     except (BagError, OSError):
         return False
     return not missing - (set() if simulated else {EXECUTED_PATH})
@@ -113,7 +111,7 @@ def _ends(bag: Path) -> dict[str, RecordedEnd]:
     """Runs that ended in a bag, by id; what cannot be read of it holds none."""
     found: dict[str, RecordedEnd] = {}
     try:
-        names = [topic for topic in topics_of(bag) if topic.endswith(RESULT)]
+        names = [topic for topic in topics_of(bag) if name_of(topic, [RUN_RESULT])]
         for item in read_bag(bag, names) if names else ():
             end = item.message
             # Bags of older software tell no version.

@@ -18,7 +18,7 @@ from doormill_ros.monitor.recorded_runs import RecordedRuns
 from doormill_ros.monitor.runs_finding import RunsFinding, few_runs, runs_finding
 from doormill_ros.monitor.runs_question import RunsQuestion
 from doormill_ros.monitor.watch_state import WatchSettings
-from doormill_ros.recording.bag_folders import newest_bags
+from doormill_ros.recording.bag_folders import newest_bags, size_of_bag
 from doormill_ros.recording.bag_reader import is_broken_off
 from doormill_ros.recording.errors import BagError
 
@@ -198,7 +198,7 @@ class RunsWatch:
         bags = []
         for bag in newest_bags(self._bags)[:count]:
             try:
-                size = sum(file.stat().st_size for file in bag.glob("*.mcap"))
+                size = size_of_bag(bag)
             except OSError:
                 continue  # removed at this moment
             bags.append((str(bag.relative_to(self._bags)), size))

@@ -16,9 +16,9 @@ from doormill_interfaces.msg import AbbStatus, DoorLocalization, SensorLocalizat
 from doormill_ros.abb.controller_names import controller_names
 from doormill_ros.abb.handshake.loop import HandshakeLoop
 from doormill_ros.abb.handshake.sharing import SharedHandshake
+from doormill_ros.abb.handshake.spindle_load import SpindleLoadMeter
 from doormill_ros.abb.handshake.state import HandshakeSnapshot, HandshakeState, HandshakeTimeouts
 from doormill_ros.abb.link_errors import MillingFaultError
-from doormill_ros.abb.spindle_load import SpindleLoadMeter
 from doormill_ros.abb.target_file.rehearsal import PROGRAM, rehearse
 from doormill_ros.abb.target_file.target_file import check_handover, render_target_file, write_target_file
 from doormill_ros.abb.transport_kind import ANSWER, TransportOptions
@@ -32,7 +32,7 @@ from doormill_ros.abb.transports.registry import (
 from doormill_ros.cell.door_sensors import chosen_sensors
 from doormill_ros.cell.errors import NodeDoubledError
 from doormill_ros.cell.layout import load_layout
-from doormill_ros.cell.readiness import SHARES
+from doormill_ros.cell.node_names import ABB_BRIDGE, DOOR_SHARES
 from doormill_ros.cell.run import LOCALIZATION
 from doormill_ros.localization.sensors.agreement import rehearse_agreement
 from doormill_ros.messages.from_message import program_of
@@ -148,7 +148,7 @@ class AbbBridge(ManagedNode):
     handshake: SharedHandshake
 
     def __init__(self, **kwargs: Any) -> None:
-        super().__init__("abb_bridge", **kwargs)
+        super().__init__(ABB_BRIDGE, **kwargs)
         self._group = ReentrantCallbackGroup()
         self._apart = MutuallyExclusiveCallbackGroup()
         self._action = MillDoorServer(self, self, self._give_up, self._group)
@@ -180,7 +180,7 @@ class AbbBridge(ManagedNode):
         self._spindle.start()
         needed = recipe_nodes(sensors)
         if self.value("shared"):
-            needed = (*needed, SHARES)
+            needed = (*needed, DOOR_SHARES)
             self.subscribe(topics.SHARE_GO, self._take_word)
         self._attendance = CellAttendance(
             self,

@@ -12,14 +12,14 @@ import zlib
 from collections.abc import Callable, Sequence
 
 from doormill_ros.cell.errors import NodeDeadError, NodeDoubledError
+from doormill_ros.cell.node_names import ABB_BRIDGE
 from doormill_ros.nodes.alive import LEASE, AliveWatch, alive_topic
 from doormill_ros.nodes.managed_node import ManagedNode
 
-BRIDGE = "abb_bridge"
 #: After so long a bridge that has met no other is the first; discovery takes seconds on a loaded machine [s].
 ALONE = 20.0
 #: Offered by a bridge that has been alone for so long.
-FIRST = f"{BRIDGE}_first"
+FIRST = f"{ABB_BRIDGE}_first"
 #: So long a bridge listens for others before it touches the controller [s].
 LISTEN = 0.5
 #: After so long without a sign of a first bridge two of one name count as begun together [s]; a goal waits for that.
@@ -63,7 +63,7 @@ class CellAttendance:
         self._patient = (
             self._nodes if lease == LEASE else AliveWatch(node, needed, notify, clock, lease=lease)
         )
-        self._bridges = AliveWatch(node, (BRIDGE, *claims), notify, clock, own=True)
+        self._bridges = AliveWatch(node, (ABB_BRIDGE, *claims), notify, clock, own=True)
         self._firsts = AliveWatch(node, (FIRST,), notify, clock)
 
     @property
@@ -75,7 +75,7 @@ class CellAttendance:
     @property
     def silent(self) -> bool:
         """Another bridge answers the goals of this namespace."""
-        return not self._first and self._firsts.alive(FIRST) and self._bridges.doubled() == BRIDGE
+        return not self._first and self._firsts.alive(FIRST) and self._bridges.doubled() == ABB_BRIDGE
 
     @property
     def settled(self) -> bool:
@@ -98,7 +98,7 @@ class CellAttendance:
             )
         hindrance = self.hindrance()
         # Refused earlier, the first one's client would take this for its answer.
-        if hindrance and (self._bridges.doubled() != BRIDGE or self.silent or self._bridges.doubled(TIE)):
+        if hindrance and (self._bridges.doubled() != ABB_BRIDGE or self.silent or self._bridges.doubled(TIE)):
             raise NodeDoubledError(hindrance)
 
     def look(self) -> None:
@@ -113,8 +113,8 @@ class CellAttendance:
         other = "" if self._first else self._bridges.doubled()
         if not other:
             return ""
-        if other == BRIDGE:
-            return f"another /{BRIDGE} is alive in this namespace, and this one gives way; {NAMESPACES}"
+        if other == ABB_BRIDGE:
+            return f"another /{ABB_BRIDGE} is alive in this namespace, and this one gives way; {NAMESPACES}"
         return (
             f"another bridge goes to the controller at {self._controller}, and this one gives way; end one of "
             "the two, or set the parameter address"

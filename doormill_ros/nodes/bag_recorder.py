@@ -21,6 +21,7 @@ from doormill_ros.catalogue.filler import RunFiller
 from doormill_ros.catalogue.run_collector import CELL, SOFTWARE, TOPICS, topic_of
 from doormill_ros.cell.clock import EvenClock
 from doormill_ros.cell.errors import BadParameterError
+from doormill_ros.cell.node_names import BAG_RECORDER
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.found_topics import is_hidden, matching, message_class, qos_document, type_name
 from doormill_ros.nodes.frame_publisher import frame_topics
@@ -58,7 +59,7 @@ class BagRecorder(ManagedNode):
     )
 
     def __init__(self, **kwargs: Any) -> None:
-        super().__init__("bag_recorder", **kwargs)
+        super().__init__(BAG_RECORDER, **kwargs)
 
     def setup(self) -> None:
         """Open the bag and subscribe to the cell's topics, and from then on to what else turns up.
@@ -186,7 +187,7 @@ class BagRecorder(ManagedNode):
             if self._wanted or latched:
                 now = self._even_clock.now()
                 self._queue.put(Received(name, bytes(data), now, sample[0] or now))
-                if told is not None and self._runs is not None:
+                if told and self._runs is not None:
                     self._runs.take(told, bytes(data), now)
 
         requested = QoSProfile(

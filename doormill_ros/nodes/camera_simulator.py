@@ -12,7 +12,8 @@ from std_msgs.msg import Header
 
 from doormill_interfaces.msg import DoorPlacement, DoorRecipe
 from doormill_ros.cell.door_sensors import chosen_sensors
-from doormill_ros.cell.layout import CAMERA, DoorOffset, load_layout
+from doormill_ros.cell.layout import CAMERA, OFFSETS, DoorOffset, load_layout
+from doormill_ros.cell.node_names import CAMERA_SIMULATOR
 from doormill_ros.frames import BASE_FRAME, CAMERA_FRAME
 from doormill_ros.messages.from_message import recipe_of
 from doormill_ros.nodes import topics
@@ -77,7 +78,7 @@ class CameraSimulator(RequestedCamera):
     )
 
     def __init__(self, **kwargs: Any) -> None:
-        super().__init__("camera_simulator", **kwargs)
+        super().__init__(CAMERA_SIMULATOR, **kwargs)
 
     def setup(self) -> None:
         """Load the true camera; subscribe.
@@ -101,11 +102,10 @@ class CameraSimulator(RequestedCamera):
 
     def _offset(self, recipe: Recipe) -> DoorOffset:
         rng = np.random.default_rng([*self._seed, zlib.crc32(recipe.door_id.encode())])
-        names = ("y", "z", "rotation")
-        drawn = [self.value(f"scatter_{name}") * rng.uniform(-1.0, 1.0) for name in names]
+        drawn = [self.value(f"scatter_{name}") * rng.uniform(-1.0, 1.0) for name in OFFSETS]
         if recipe.placement is not None:  # a recipe that says where the door stands is obeyed
-            drawn = [getattr(recipe.placement, name) for name in names]
-        fixed = [self.value(f"offset_{name}") for name in names]
+            drawn = [getattr(recipe.placement, name) for name in OFFSETS]
+        fixed = [self.value(f"offset_{name}") for name in OFFSETS]
         return DoorOffset(*(d if f == UNSET else f for d, f in zip(drawn, fixed, strict=True)))
 
     def _sensor(self) -> Sensor:

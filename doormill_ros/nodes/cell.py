@@ -16,8 +16,21 @@ import yaml
 
 from doormill_ros.cell.door_sensors import chosen_sensors, node_of
 from doormill_ros.cell.layout import CAMERA, load_layout
+from doormill_ros.cell.node_names import (
+    ABB_BRIDGE,
+    BAG_RECORDER,
+    CAMERA_SIMULATOR,
+    CONTROLLER_SIMULATOR,
+    DOOR_LOCALIZER,
+    DOOR_SHARES,
+    MODEL_MONITOR,
+    OPERATOR_PAGE,
+    PATH_GENERATOR,
+    SENSOR_SIMULATOR,
+)
 from doormill_ros.cell.run_folder import RunFolder
 from doormill_ros.cell.summary import RunSummary
+from doormill_ros.cell.two_robots import in_robot
 from doormill_ros.files import write_atomically
 from doormill_ros.interrupts import Terminated
 from doormill_ros.localization.sensors.registry import SENSORS, registered
@@ -35,7 +48,7 @@ from doormill_ros.nodes.model_monitor import ModelMonitor
 from doormill_ros.nodes.operator_page import OperatorPage
 from doormill_ros.nodes.path_generator import PathGenerator
 from doormill_ros.nodes.recipe_database import RecipeDatabaseNode
-from doormill_ros.nodes.robots import ROBOTS, in_robot, robot_arguments
+from doormill_ros.nodes.robots import ROBOTS, robot_arguments
 from doormill_ros.nodes.run import check_start
 from doormill_ros.nodes.sensor_localizer import SensorLocalizer
 from doormill_ros.nodes.sensor_simulator import SensorSimulator
@@ -55,14 +68,14 @@ GLOBAL = ("tf", "tf_static", "diagnostics")
 NODES: tuple[Callable[..., ManagedNode], ...] = (BagRecorder, RecipeDatabaseNode)
 #: Nodes whose parameters the user of the one-process cell chooses.
 _CHOSEN: dict[str, type[ManagedNode]] = {
-    "camera_simulator": CameraSimulator,
-    "controller_simulator": ControllerSimulator,
-    "operator_page": OperatorPage,
-    "path_generator": PathGenerator,
+    CAMERA_SIMULATOR: CameraSimulator,
+    CONTROLLER_SIMULATOR: ControllerSimulator,
+    OPERATOR_PAGE: OperatorPage,
+    PATH_GENERATOR: PathGenerator,
 }
 
 #: Who has to know which sensors there are, beside these themselves.
-SENSOR_NODES = ("door_localizer", "abb_bridge", "camera_simulator", "sensor_simulator")
+SENSOR_NODES = (DOOR_LOCALIZER, ABB_BRIDGE, CAMERA_SIMULATOR, SENSOR_SIMULATOR)
 
 
 @dataclass(frozen=True)
@@ -141,19 +154,19 @@ class CellOptions:
     def arguments(self, folder: RunFolder) -> list[str]:
         """ROS arguments that put everything the nodes write into the run's folder; leaves their parameters there."""
         chosen: dict[str, dict[str, Any]] = {
-            "bag_recorder": {"bag": folder.bag},
-            "abb_bridge": {
+            BAG_RECORDER: {"bag": folder.bag},
+            ABB_BRIDGE: {
                 "address": folder.controller,
                 "archive": folder.targets,
                 "limit.sign_of_life": SILENCE,
                 "limit.answer": SILENCE,
                 **_PATIENT,
             },
-            "door_shares": {"note": folder.targets, **_PATIENT},
-            "controller_simulator": {"home": folder.controller, "gauged": self.page},
-            "operator_page": {"history": folder.root, "audit": folder.audit, "robots": self.robots},
-            "path_generator": {"models": folder.models},
-            "model_monitor": {
+            DOOR_SHARES: {"note": folder.targets, **_PATIENT},
+            CONTROLLER_SIMULATOR: {"home": folder.controller, "gauged": self.page},
+            OPERATOR_PAGE: {"history": folder.root, "audit": folder.audit, "robots": self.robots},
+            PATH_GENERATOR: {"models": folder.models},
+            MODEL_MONITOR: {
                 "inspections": folder.inspections,
                 "bags": folder.shift or folder.root,
                 "models": folder.models,

@@ -22,13 +22,13 @@ from doormill_ros.abb.controller_state import (
 from doormill_ros.abb.link_errors import ControllerStateError, LinkError
 from doormill_ros.abb.transport import Transport
 from doormill_ros.nodes import topics
+from doormill_ros.nodes.looking_thread import LookingThread
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.reporting_node import ERROR, OK, WARN
 
 PERIOD = 1.0  # s, between two looks
 #: A reading older than this is taken anew before a file is announced [s].
 FRESH = 2.0
-STOP_LIMIT = 5.0  # s
 
 
 class ControllerMonitor:
@@ -47,8 +47,7 @@ class ControllerMonitor:
         self._ask = ask_privilege
         self._state = node.publisher(topics.CONTROLLER_STATE)
         self._diagnostics = node.publisher(topics.DIAGNOSTICS)
-        self._ended = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="controller-monitor", daemon=True)
+        self._thread = LookingThread(self._run, "controller-monitor")
         self._latest: tuple[float, ControllerReading] | None = None
         self._shown: tuple[ControllerReading | None, str] | None = None
 
@@ -59,9 +58,7 @@ class ControllerMonitor:
 
     def stop(self) -> None:
         """Cease to look."""
-        self._ended.set()
-        if self._thread.is_alive():
-            self._thread.join(STOP_LIMIT)
+        self._thread.stop()
 
     def require_fit(self) -> None:
         """Refuse to announce a file to a controller that cannot take it.
@@ -77,11 +74,11 @@ class ControllerMonitor:
             latest = self._look(self._watch)
         latest[1].require_fit()
 
-    def _run(self) -> None:
+    def _run(self, ended: threading.Event) -> None:
         tell = self._node.guarded(self._tell)
-        while not self._ended.is_set():
+        while not ended.is_set():
             tell(self._watch)
-            self._ended.wait(PERIOD)
+            ended.wait(PERIOD)
 
     def _tell(self, watch: ControllerWatch) -> None:
         try:

@@ -12,7 +12,8 @@ from std_msgs.msg import Header
 
 from doormill_interfaces.msg import DoorPlacement, DoorRecipe, MilledDoor, RunResult, TargetArray
 from doormill_ros.cell.layout import load_layout
-from doormill_ros.cell.summary import TOLERANCE
+from doormill_ros.cell.node_names import CONTROLLER_SIMULATOR
+from doormill_ros.cell.tolerance import TOLERANCE
 from doormill_ros.cell.two_robots import SECOND
 from doormill_ros.cell.waiting import wait
 from doormill_ros.frames import BASE_FRAME, DOOR_FRAME
@@ -29,7 +30,7 @@ from doormill_ros.simulation.controller.arm import ControllerArm
 from doormill_ros.simulation.controller.rws_server.running import served_cabinet
 from doormill_ros.simulation.controller.rws_server.serving import VERSIONS, serve
 from doormill_ros.simulation.judge.bodies import load_cell
-from doormill_ros.simulation.judged_door import judge_door
+from doormill_ros.simulation.judge.judged_door import judge_door
 from doormill_ros.simulation.robot_cell import RobotCell, RobotCellRun, load_effects
 from doormill_ros.simulation.spindle_load import SpindleWork
 from doormill_ros.simulation.world.cutting_power import CutDoor
@@ -92,7 +93,7 @@ class ControllerSimulator(ManagedNode):
 
     def __init__(self, cell: RobotCell | None = None, **kwargs: Any) -> None:
         """Take the controller of doors that were milled before; None for one that is switched on with the node."""
-        super().__init__("controller_simulator", **kwargs)
+        super().__init__(CONTROLLER_SIMULATOR, **kwargs)
         self._switched_on = cell
 
     def setup(self) -> None:

@@ -17,6 +17,7 @@ from std_msgs.msg import Header
 from doormill_interfaces.msg import DoorLocalization, DoorRecipe
 from doormill_ros.arrays import ByteArray
 from doormill_ros.cell.layout import CAMERA, load_layout
+from doormill_ros.cell.node_names import DOOR_LOCALIZER
 from doormill_ros.errors import DoormillError
 from doormill_ros.frames import BASE_FRAME, CAMERA_FRAME, DOOR_FRAME
 from doormill_ros.localization.camera import CameraModel, load_camera
@@ -74,7 +75,7 @@ class DoorLocalizer(ManagedNode):
     )
 
     def __init__(self, **kwargs: Any) -> None:
-        super().__init__("door_localizer", **kwargs)
+        super().__init__(DOOR_LOCALIZER, **kwargs)
 
     def setup(self) -> None:
         """Load camera mounting and cell layout; subscribe.

@@ -18,7 +18,7 @@ from doormill_interfaces.action import MillDoor
 from doormill_interfaces.msg import DoorRecipe, RunResult
 from doormill_ros.cell.clock import Clock
 from doormill_ros.cell.errors import CellBusyError, NodeInactiveError, RunCutOffError
-from doormill_ros.cell.readiness import SHARES
+from doormill_ros.cell.node_names import DOOR_SHARES
 from doormill_ros.cell.run import Run, RunDesk, StageLimits
 from doormill_ros.cell.run_in_hand import RunNote
 from doormill_ros.messages.from_message import recipe_of
@@ -61,7 +61,7 @@ class DoorShares(ManagedNode):
     )
 
     def __init__(self, **kwargs: Any) -> None:
-        super().__init__(SHARES, **kwargs)
+        super().__init__(DOOR_SHARES, **kwargs)
         self._group = ReentrantCallbackGroup()
         self._note: RunNote | None = None
         self._desk = RunDesk(Clock(wall=lambda: ns_to_s(self.get_clock().now().nanoseconds)))
@@ -91,8 +91,8 @@ class DoorShares(ManagedNode):
         """Tell how the run ended that a former process of this node had in hand."""
         end.refuse(
             RunCutOffError.code,
-            f"/{SHARES} ended in the middle of the run and was started again; see that both robots stand still, look "
-            "at the door, start again",
+            f"/{DOOR_SHARES} ended in the middle of the run and was started again; see that both robots stand still, "
+            "look at the door, start again",
         )
         self._tell(end)
 
@@ -148,7 +148,7 @@ class DoorShares(ManagedNode):
         try:
             if not self.active or self._note is None:
                 raise NodeInactiveError(
-                    f"/{SHARES} is not active; activate it (ros2 lifecycle set /{SHARES} activate)"
+                    f"/{DOOR_SHARES} is not active; activate it (ros2 lifecycle set /{DOOR_SHARES} activate)"
                 )
             self._note.write(run.run_id, run.door_id)
             limits = StageLimits(**{f.name: self.value(f"limit.{f.name}") for f in fields(StageLimits)})

@@ -11,6 +11,7 @@ from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from std_msgs.msg import Header
 
 from doormill_interfaces.msg import DoorRecipe
+from doormill_ros.cell.node_names import FOLDER_CAMERA
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.errors import BadPicture
 from doormill_ros.localization.picture_folder import PictureFolder
@@ -32,7 +33,7 @@ class FolderCamera(RequestedCamera):
     )
 
     def __init__(self, **kwargs: Any) -> None:
-        super().__init__("folder_camera", **kwargs)
+        super().__init__(FOLDER_CAMERA, **kwargs)
 
     def setup(self) -> None:
         """Read the camera file; subscribe."""

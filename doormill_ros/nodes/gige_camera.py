@@ -14,6 +14,7 @@ from std_msgs.msg import Header
 
 from doormill_interfaces.msg import DoorLocalization, DoorRecipe
 from doormill_ros.cell.layout import CAMERA, load_layout
+from doormill_ros.cell.node_names import GIGE_CAMERA
 from doormill_ros.frames import BASE_FRAME
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.gige.aravis_device import AravisDevice
@@ -73,7 +74,7 @@ class GigeCamera(RequestedCamera):
         Raises:
             AravisMissing: It is not there.
         """
-        super().__init__("gige_camera", **kwargs)
+        super().__init__(GIGE_CAMERA, **kwargs)
         try:
             self._aravis = aravis or load_aravis()
         except AravisMissing:

@@ -11,9 +11,11 @@ from rclpy.node import Node
 
 from doormill_ros.cell.door_sensors import chosen_sensors
 from doormill_ros.cell.layout import CAMERA, load_layout
-from doormill_ros.cell.readiness import OF_A_ROBOT, SHARES, Readiness, needed_nodes
+from doormill_ros.cell.node_names import DOOR_SHARES
+from doormill_ros.cell.readiness import OF_A_ROBOT, Readiness, needed_nodes
+from doormill_ros.cell.two_robots import in_robot
 from doormill_ros.nodes import topics
-from doormill_ros.nodes.robots import ROBOTS, in_robot
+from doormill_ros.nodes.robots import ROBOTS
 
 PERIOD = 0.1  # s
 
@@ -67,4 +69,4 @@ def listen(namespace: str, limit: float, robots: int = 1) -> list[str]:
 def _of_two(needed: tuple[str, ...]) -> tuple[str, ...]:
     """The nodes that two robots need, from those that one needs."""
     own = (f"{in_robot(robot)}/{name}" for robot in ROBOTS for name in needed if name in OF_A_ROBOT)
-    return (*(name for name in needed if name not in OF_A_ROBOT), SHARES, *own)
+    return (*(name for name in needed if name not in OF_A_ROBOT), DOOR_SHARES, *own)

@@ -34,7 +34,7 @@ from doormill_ros.recording.replay.answer import Answer, pictureless
 from doormill_ros.recording.replay.live import LiveRun
 from doormill_ros.recording.replay.offline import LAST_REPLAYED
 from doormill_ros.recording.replay.recorded_run import RecordedRun
-from doormill_ros.simulation.recorded_controller import (
+from doormill_ros.simulation.controller.recorded_controller import (
     RecordedController,
     RecordedEvent,
     controller_events,

@@ -19,7 +19,7 @@ from doormill_ros.abb.link_errors import MillingFaultError
 from doormill_ros.cell.clock import Clock, step_text
 from doormill_ros.cell.errors import CellBusyError, NodeInactiveError, RunCutOffError, WrongGoalError
 from doormill_ros.cell.inspection import MeasuredDoor
-from doormill_ros.cell.readiness import SHARES
+from doormill_ros.cell.node_names import ABB_BRIDGE, DOOR_SHARES
 from doormill_ros.cell.run import RunDesk, StageLimits
 from doormill_ros.cell.run_in_hand import RunNote
 from doormill_ros.errors import DoormillError
@@ -178,6 +178,7 @@ class MillDoorServer:
                     "the ABB bridge is not active; activate it (ros2 lifecycle set /abb_bridge activate)"
                 )
             if self._shared != bool(goal.request.run_id):
+                server = DOOR_SHARES if self._shared else ABB_BRIDGE
                 raise WrongGoalError(
                     f"door {goal.request.door_id} was refused: this robot mills "
                     + (
@@ -185,7 +186,7 @@ class MillDoorServer:
                         if self._shared
                         else "whole doors, and the goal asks for a share"
                     )
-                    + f"; send the goal to mill_door of the cell, served by /{SHARES if self._shared else 'abb_bridge'}"
+                    + f"; send the goal to mill_door of the cell, served by /{server}"
                 )
             note.write(run.run_id, run.door_id)
             partners = recipes, self._handover, inspections, attendance

@@ -13,7 +13,8 @@ from std_msgs.msg import Header
 from doormill_interfaces.msg import DoorInspection, RunResult
 from doormill_interfaces.srv import AcceptModel, HandInInspection, RevertModel
 from doormill_ros.catalogue.inspection_notes import InspectionNotes
-from doormill_ros.cell.summary import TOLERANCE
+from doormill_ros.cell.node_names import MODEL_MONITOR
+from doormill_ros.cell.tolerance import TOLERANCE
 from doormill_ros.diagnosis.runs.limits import MOST
 from doormill_ros.errors import DoormillError
 from doormill_ros.measurements.inspection import CAMERA
@@ -76,7 +77,7 @@ class ModelMonitor(ManagedNode):
     )
 
     def __init__(self, **kwargs: Any) -> None:
-        super().__init__("model_monitor", **kwargs)
+        super().__init__(MODEL_MONITOR, **kwargs)
 
     def setup(self) -> None:
         """Open what is kept, subscribe, offer the services."""

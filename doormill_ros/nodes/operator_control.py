@@ -9,7 +9,7 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from doormill_interfaces.action import MillDoor
 from doormill_interfaces.srv import AcceptModel, ListRecipes, RevertModel
 from doormill_ros.cell.errors import CellBusyError, NodeInactiveError, StageRefusedError, StageTimeoutError
-from doormill_ros.cell.readiness import SHARES
+from doormill_ros.cell.node_names import ABB_BRIDGE, DOOR_SHARES
 from doormill_ros.nodes.futures import result_of
 from doormill_ros.nodes.goal_client import GoalClient
 from doormill_ros.nodes.managed_node import ManagedNode
@@ -32,7 +32,7 @@ class ActionControl:
     def __init__(self, node: ManagedNode, store: ViewStore) -> None:
         self._node = node
         self._store = store
-        self._server = SHARES if store.view.pair is not None else "abb_bridge"
+        self._server = DOOR_SHARES if store.view.pair is not None else ABB_BRIDGE
         group = ReentrantCallbackGroup()
         self._goals = node.keep(GoalClient.destroy, GoalClient(node, MillDoor, ACTION, callback_group=group))
         self._recipes = node.keep(

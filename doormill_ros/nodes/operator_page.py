@@ -27,6 +27,8 @@ from doormill_interfaces.msg import (
     TargetArray,
 )
 from doormill_ros.arrays import ByteArray
+from doormill_ros.cell.node_names import ABB_BRIDGE, OPERATOR_PAGE
+from doormill_ros.cell.two_robots import in_robot
 from doormill_ros.localization.errors import BadPicture
 from doormill_ros.messages.from_message import gauged_of, inspection_of, recipe_of
 from doormill_ros.messages.picture import colours_of, picture_of
@@ -38,14 +40,14 @@ from doormill_ros.nodes.convert.verdict import view_of_model
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.operator_control import ACTION, ActionControl
 from doormill_ros.nodes.reporting_node import ERROR, OK, NodeParameter
-from doormill_ros.nodes.robots import ROBOTS, in_robot
+from doormill_ros.nodes.robots import ROBOTS
 from doormill_ros.nodes.run import run_nodes
 from doormill_ros.operator.audit import AuditLog
+from doormill_ros.operator.captioned_picture import CAPTIONS
 from doormill_ros.operator.door_view import door_view, worst_by_feature
 from doormill_ros.operator.ended_run import EndedRun
 from doormill_ros.operator.page_names import is_address, page_names
 from doormill_ros.operator.page_server import PageServer
-from doormill_ros.operator.picture import CAPTIONS, MEDIA_TYPE, encode_picture
 from doormill_ros.operator.run_book import RunBook
 from doormill_ros.operator.server import create_app
 from doormill_ros.operator.shown_door import ShownDoors
@@ -53,11 +55,11 @@ from doormill_ros.operator.state import CellView
 from doormill_ros.operator.token import Keys
 from doormill_ros.operator.token_file import load_keys
 from doormill_ros.operator.view_store import ViewStore
+from doormill_ros.pages.picture import MEDIA_TYPE, encode_picture
 from doormill_ros.recipes.errors import RecipeError
 from doormill_ros.resources import AUDIT, site_folder
 from doormill_ros.toolpath.settings import load_settings
 
-BRIDGE = "abb_bridge"
 CONTROLLER = "/controller"  # what the bridge tells of it
 SILENCE = 5.0  # s; nodes report on themselves every second
 KEPT_PICTURES = 4
@@ -97,7 +99,7 @@ class OperatorPage(ManagedNode):
 
     def __init__(self, token: str | Keys | None = None, **kwargs: Any) -> None:
         """Show only, unless a token is given that allows control, or one for each role, or a file of them is named."""
-        super().__init__("operator_page", **kwargs)
+        super().__init__(OPERATOR_PAGE, **kwargs)
         self._given = token
         self.url = ""
 
@@ -249,7 +251,7 @@ class OperatorPage(ManagedNode):
             place = self._namespaces.get(namespace)
             if place is None:
                 continue  # of another cell
-            if place in self._places and node == BRIDGE and not status.name.endswith(CONTROLLER):
+            if place in self._places and node == ABB_BRIDGE and not status.name.endswith(CONTROLLER):
                 self._bridges_heard[place] = time.monotonic()
                 self._look_for_bridges()
             fault = status.message if status.level == ERROR else ""

@@ -15,6 +15,7 @@ from std_msgs.msg import Header, String
 from doormill_interfaces.msg import DoorRecipe, TargetArray
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.clock import FUTURE
+from doormill_ros.cell.node_names import PATH_GENERATOR
 from doormill_ros.errors import DoormillError
 from doormill_ros.frames import BASE_FRAME, TOOL_FRAME
 from doormill_ros.messages.from_message import door_pose_of, recipe_of
@@ -69,7 +70,7 @@ class PathGenerator(ManagedNode):
     )
 
     def __init__(self, **kwargs: Any) -> None:
-        super().__init__("path_generator", **kwargs)
+        super().__init__(PATH_GENERATOR, **kwargs)
 
     def setup(self) -> None:
         """Load robot and compliance model; subscribe."""

@@ -10,6 +10,7 @@ from std_msgs.msg import Header
 
 from doormill_interfaces.msg import DoorRecipe
 from doormill_interfaces.srv import GetRecipe, ImportRecipes, ListRecipes
+from doormill_ros.cell.node_names import RECIPE_DATABASE
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.recipe import recipe_message, summary_message
 from doormill_ros.nodes.managed_node import ManagedNode
@@ -31,7 +32,7 @@ class RecipeDatabaseNode(ManagedNode):
     )
 
     def __init__(self, **kwargs: Any) -> None:
-        super().__init__("recipe_database", **kwargs)
+        super().__init__(RECIPE_DATABASE, **kwargs)
 
     def setup(self) -> None:
         """Open the database and offer the services."""

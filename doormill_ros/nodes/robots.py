@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from doormill_ros.cell.readiness import SHARES
-from doormill_ros.cell.two_robots import FIRST, SECOND
+from doormill_ros.cell.node_names import CAMERA_SIMULATOR, DOOR_SHARES, RECIPE_DATABASE, SENSOR_SIMULATOR
+from doormill_ros.cell.topic_names import SHARE_RESULT
+from doormill_ros.cell.two_robots import FIRST, SECOND, in_robot
 from doormill_ros.nodes import topics
-from doormill_ros.recording.run_topics import SHARE_OF
 
 ROBOTS = (FIRST, SECOND)  #: in the order in which they mill
-SHARE_RESULT = "share/result"
 #: Names that the nodes of a robot share with the cell. A share is no run: its result has another name.
 _OF_THE_CELL = (
     topics.DOOR_RECIPE.name,
@@ -20,13 +19,8 @@ _OF_THE_CELL = (
     topics.SENSOR_LOCALIZATION.name,
     topics.DOOR_PLACEMENT.name,
     "recipes/get",
-    *(f"_alive/{node}" for node in ("recipe_database", "camera_simulator", "sensor_simulator", SHARES)),
+    *(f"_alive/{node}" for node in (RECIPE_DATABASE, CAMERA_SIMULATOR, SENSOR_SIMULATOR, DOOR_SHARES)),
 )
-
-
-def in_robot(name: str) -> str:
-    """Namespace of a robot's nodes below the cell's: robot1 or robot2."""
-    return next(place for place, share in SHARE_OF.items() if share == name)
 
 
 def robot_remappings(name: str, cell: str = "", finders: tuple[str, ...] = ()) -> list[tuple[str, str]]:

@@ -10,6 +10,7 @@ from std_msgs.msg import Header
 from doormill_interfaces.msg import DoorPlacement, DoorRecipe, SensorReading
 from doormill_ros.cell.door_sensors import chosen_sensors
 from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.node_names import SENSOR_SIMULATOR
 from doormill_ros.frames import BASE_FRAME
 from doormill_ros.messages.from_message import recipe_of, transform_of
 from doormill_ros.nodes import topics
@@ -31,7 +32,7 @@ class SensorSimulator(RequestedSensor):
     )
 
     def __init__(self, **kwargs: Any) -> None:
-        super().__init__("sensor_simulator", **kwargs)
+        super().__init__(SENSOR_SIMULATOR, **kwargs)
 
     def setup(self) -> None:
         """Subscribe, where there is a sensor to be played.

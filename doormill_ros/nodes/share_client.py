@@ -13,11 +13,12 @@ from doormill_interfaces.action import MillDoor
 from doormill_interfaces.msg import RunResult
 from doormill_ros.cell.errors import NodeDeadError
 from doormill_ros.cell.summary import StageDurations
+from doormill_ros.cell.topic_names import SHARE_RESULT
+from doormill_ros.cell.two_robots import in_robot
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.alive import LEASE, AliveWatch
 from doormill_ros.nodes.goal_client import GoalClient
 from doormill_ros.nodes.managed_node import ManagedNode
-from doormill_ros.nodes.robots import SHARE_RESULT, in_robot
 
 PLANNED = "targets"  #: stage that a bridge tells of when it waits for the word
 

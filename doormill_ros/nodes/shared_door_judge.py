@@ -9,18 +9,19 @@ from std_msgs.msg import Header
 
 from doormill_interfaces.msg import DoorPlacement, DoorRecipe, ExecutedPath
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.summary import TOLERANCE
-from doormill_ros.cell.two_robots import FIRST, SECOND
+from doormill_ros.cell.node_names import SHARED_DOOR_JUDGE
+from doormill_ros.cell.tolerance import TOLERANCE
+from doormill_ros.cell.two_robots import FIRST, SECOND, in_robot
 from doormill_ros.frames import DOOR_FRAME
 from doormill_ros.messages.from_message import recipe_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.executed import executed_of, milled_message, placed_at, verdict_message
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.reporting_node import OK
-from doormill_ros.nodes.robots import ROBOTS, in_robot
+from doormill_ros.nodes.robots import ROBOTS
 from doormill_ros.simulation.judge.bodies import load_cell
+from doormill_ros.simulation.judge.judged_door import judge_shared_door
 from doormill_ros.simulation.judge.pair import Milled
-from doormill_ros.simulation.judged_door import judge_shared_door
 from doormill_ros.toolpath.settings import load_settings
 from doormill_ros.toolpath.split import split
 
@@ -29,7 +30,7 @@ class SharedDoorJudge(ManagedNode):
     """Waits for the paths of all robots that had something to mill, then inspects the door and judges the motions."""
 
     def __init__(self, **kwargs: Any) -> None:
-        super().__init__("shared_door_judge", **kwargs)
+        super().__init__(SHARED_DOOR_JUDGE, **kwargs)
 
     def setup(self) -> None:
         """Read the cell; subscribe."""

@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from doormill_ros.cell.node_names import CAMERA_SIMULATOR, CONTROLLER_SIMULATOR, PATH_GENERATOR
 from doormill_ros.cell.run_folder import ShiftFolder
 from doormill_ros.cell.shift_summary import ShiftSummary
 from doormill_ros.cell.summary import RunSummary
@@ -50,11 +51,11 @@ def run_shift(
         parameters = {node: dict(values) for node, values in options.parameters.items()}
         place = {"door_number": number, **({} if world is None else {"world": world.resolve()})}
         own = {"shift_began": began, "inspection": run_folder.inspection}
-        parameters["camera_simulator"] = parameters.get("camera_simulator", {}) | place
-        parameters["controller_simulator"] = parameters.get("controller_simulator", {}) | place | own
+        parameters[CAMERA_SIMULATOR] = parameters.get(CAMERA_SIMULATOR, {}) | place
+        parameters[CONTROLLER_SIMULATOR] = parameters.get(CONTROLLER_SIMULATOR, {}) | place | own
         accepted = model(number) if model is not None else None
         if accepted is not None:
-            parameters["path_generator"] = parameters.get("path_generator", {}) | {"robot_model": accepted}
+            parameters[PATH_GENERATOR] = parameters.get(PATH_GENERATOR, {}) | {"robot_model": accepted}
         run = run_in(run_folder, door_id, replace(options, parameters=parameters, controller=controller))
         shift.add(number, run_folder.root.name, run)
         shift.write(paths.summary)

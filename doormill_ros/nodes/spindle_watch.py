@@ -7,13 +7,12 @@ import threading
 from std_msgs.msg import Header
 
 from doormill_interfaces.msg import SpindleLoad
+from doormill_ros.abb.handshake.spindle_load import LoadSample, SpindleLoadMeter
 from doormill_ros.abb.link_errors import LinkError, UnknownSignalError
-from doormill_ros.abb.spindle_load import LoadSample, SpindleLoadMeter
 from doormill_ros.nodes import topics
+from doormill_ros.nodes.looking_thread import LookingThread
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.reporting_node import NodeParameter
-
-STOP_LIMIT = 5.0  # s
 
 SPINDLE_PARAMETER = NodeParameter(
     "spindle_load_period",
@@ -38,8 +37,7 @@ class SpindleWatch:
         self._meter = meter
         self._period = float(node.value(SPINDLE_PARAMETER.name))
         self._load = node.publisher(topics.SPINDLE_LOAD)
-        self._ended = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="spindle-watch", daemon=True)
+        self._thread = LookingThread(self._run, "spindle-watch")
         self._said = ""
 
     def start(self) -> None:
@@ -49,9 +47,7 @@ class SpindleWatch:
 
     def stop(self) -> None:
         """Cease to look."""
-        self._ended.set()
-        if self._thread.is_alive():
-            self._thread.join(STOP_LIMIT)
+        self._thread.stop()
 
     def look(self) -> None:
         """Tell the load once, if a door is being milled; what hinders that harms nothing and is said once."""
@@ -65,9 +61,9 @@ class SpindleWatch:
             if sample is not None:
                 self._publish(sample)
 
-    def _run(self) -> None:
+    def _run(self, ended: threading.Event) -> None:
         look = self._node.guarded(self.look)
-        while not self._ended.wait(self._period) and self._meter.able:
+        while not ended.wait(self._period) and self._meter.able:
             look()
 
     def _publish(self, sample: LoadSample) -> None:

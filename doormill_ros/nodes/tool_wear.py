@@ -6,10 +6,11 @@ from functools import partial
 
 from doormill_interfaces.msg import AbbStatus, RunResult, TargetArray
 from doormill_ros.abb.handshake.state import HandshakeState
+from doormill_ros.cell.two_robots import in_robot
 from doormill_ros.messages.from_message import program_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.managed_node import ManagedNode
-from doormill_ros.nodes.robots import ROBOTS, in_robot
+from doormill_ros.nodes.robots import ROBOTS
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.recipes.store.tool_table import ToolTable
 from doormill_ros.recipes.tabled_tool import TabledTool

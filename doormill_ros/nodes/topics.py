@@ -1,4 +1,4 @@
-"""Every topic of the cell once: its name, its type and its quality of service."""
+"""Every topic of the cell once: its type and its quality of service; names are in `cell/topic_names.py`."""
 
 from __future__ import annotations
 
@@ -31,6 +31,7 @@ from doormill_interfaces.msg import (
     SpindleLoad,
     TargetArray,
 )
+from doormill_ros.cell import topic_names
 
 
 def _qos(
@@ -89,57 +90,57 @@ def _topic(name: str, message_type: Any, qos: QoSProfile, fallback: QoSProfile |
     return Topic(name, message_type, qos, qos, fallback)
 
 
-IMAGE = Topic("camera/image_raw", Image, KEPT_PICTURE, PICTURE, PICTURE_FALLBACK)
-COMPRESSED = _topic("camera/image_raw/compressed", CompressedImage, PICTURE, PICTURE_FALLBACK)
+IMAGE = Topic(topic_names.IMAGE, Image, KEPT_PICTURE, PICTURE, PICTURE_FALLBACK)
+COMPRESSED = _topic(topic_names.COMPRESSED, CompressedImage, PICTURE, PICTURE_FALLBACK)
 #: As `image_transport` names the ways that pictures take.
 PICTURES = {"raw": IMAGE, "compressed": COMPRESSED}
-CAMERA_INFO = Topic("camera/camera_info", CameraInfo, KEPT_PICTURE, PICTURE, PICTURE_FALLBACK)
+CAMERA_INFO = Topic(topic_names.CAMERA_INFO, CameraInfo, KEPT_PICTURE, PICTURE, PICTURE_FALLBACK)
 #: Way [m] and turn [rad] of the camera since its calibration, in base axes; there in cells with marks.
-CAMERA_MOVED = _topic("camera/moved", TwistStamped, EVENT)
-DOOR_POSE = Topic("door/pose", PoseStamped, KEPT_EVENT, EVENT)
-DOOR_LOCALIZATION = Topic("door/localization", DoorLocalization, KEPT_EVENT, EVENT)
-DOOR_OVERLAY = _topic("door/overlay", Image, PICTURE, PICTURE_FALLBACK)
+CAMERA_MOVED = _topic(topic_names.CAMERA_MOVED, TwistStamped, EVENT)
+DOOR_POSE = Topic(topic_names.DOOR_POSE, PoseStamped, KEPT_EVENT, EVENT)
+DOOR_LOCALIZATION = Topic(topic_names.DOOR_LOCALIZATION, DoorLocalization, KEPT_EVENT, EVENT)
+DOOR_OVERLAY = _topic(topic_names.DOOR_OVERLAY, Image, PICTURE, PICTURE_FALLBACK)
 #: Of all door sensors but the camera; three pictures in one message are of its size.
-SENSOR_READING = Topic("sensors/reading", SensorReading, KEPT_PICTURE, PICTURE, PICTURE_FALLBACK)
+SENSOR_READING = Topic(topic_names.SENSOR_READING, SensorReading, KEPT_PICTURE, PICTURE, PICTURE_FALLBACK)
 #: Of each sensor, the camera among them, where the cell has several.
-SENSOR_LOCALIZATION = Topic("sensors/localization", SensorLocalization, KEPT_EVENT, EVENT)
-DOOR_RECIPE = _topic("door/recipe", DoorRecipe, STATE)
-PATH_TARGETS = Topic("path/targets", TargetArray, KEPT_EVENT, EVENT, nested=True)
-PATH_NOMINAL = _topic("path/nominal", Path, STATE)
-PATH_CORRECTED = _topic("path/corrected", Path, STATE)
-PATH_MARKERS = _topic("path/markers", MarkerArray, STATE)
-CELL_BODIES = _topic("cell/bodies", MarkerArray, STATE)
-PATH_JOINT_STATES = _topic("path/joint_states", JointState, STATE)
-ROBOT_DESCRIPTION = _topic("robot_description", String, STATE)
+SENSOR_LOCALIZATION = Topic(topic_names.SENSOR_LOCALIZATION, SensorLocalization, KEPT_EVENT, EVENT)
+DOOR_RECIPE = _topic(topic_names.DOOR_RECIPE, DoorRecipe, STATE)
+PATH_TARGETS = Topic(topic_names.PATH_TARGETS, TargetArray, KEPT_EVENT, EVENT, nested=True)
+PATH_NOMINAL = _topic(topic_names.PATH_NOMINAL, Path, STATE)
+PATH_CORRECTED = _topic(topic_names.PATH_CORRECTED, Path, STATE)
+PATH_MARKERS = _topic(topic_names.PATH_MARKERS, MarkerArray, STATE)
+CELL_BODIES = _topic(topic_names.CELL_BODIES, MarkerArray, STATE)
+PATH_JOINT_STATES = _topic(topic_names.PATH_JOINT_STATES, JointState, STATE)
+ROBOT_DESCRIPTION = _topic(topic_names.ROBOT_DESCRIPTION, String, STATE)
 #: The latest counts, but a bag tells of every state: one that is lost on the wire is sent again only while it is kept,
 #: and a door's states follow each other within milliseconds.
-ABB_STATUS = Topic("abb/status", AbbStatus, _qos(16, DurabilityPolicy.TRANSIENT_LOCAL), STATE)
-ABB_REQUEST = _topic("abb/request", Bool, STATE)
-ABB_READY = _topic("abb/ready", Bool, STATE)
-CONTROLLER_STATE = _topic("abb/controller_state", ControllerState, STATE)
-ABB_TARGET_FILE = _topic("abb/target_file", String, STATE)
+ABB_STATUS = Topic(topic_names.ABB_STATUS, AbbStatus, _qos(16, DurabilityPolicy.TRANSIENT_LOCAL), STATE)
+ABB_REQUEST = _topic(topic_names.ABB_REQUEST, Bool, STATE)
+ABB_READY = _topic(topic_names.ABB_READY, Bool, STATE)
+CONTROLLER_STATE = _topic(topic_names.CONTROLLER_STATE, ControllerState, STATE)
+ABB_TARGET_FILE = _topic(topic_names.ABB_TARGET_FILE, String, STATE)
 #: While a door is milled, from controllers that can tell.
-SPINDLE_LOAD = _topic("abb/spindle_load", SpindleLoad, EVENT)
+SPINDLE_LOAD = _topic(topic_names.SPINDLE_LOAD, SpindleLoad, EVENT)
 #: Whoever keeps results gets each, though runs that are refused at once follow each other faster than it looks.
-RUN_RESULT = Topic("run/result", RunResult, STATE, _qos(10, DurabilityPolicy.TRANSIENT_LOCAL))
+RUN_RESULT = Topic(topic_names.RUN_RESULT, RunResult, STATE, _qos(10, DurabilityPolicy.TRANSIENT_LOCAL))
 #: Id of the run of which a robot may mill its share, in the namespace of that robot.
-SHARE_GO = _topic("share/go", String, STATE)
-DOOR_PLACEMENT = _topic("simulation/door_placement", DoorPlacement, STATE)
-EXECUTED_PATH = _topic("simulation/executed_path", ExecutedPath, STATE)
+SHARE_GO = _topic(topic_names.SHARE_GO, String, STATE)
+DOOR_PLACEMENT = _topic(topic_names.DOOR_PLACEMENT, DoorPlacement, STATE)
+EXECUTED_PATH = _topic(topic_names.EXECUTED_PATH, ExecutedPath, STATE)
 #: What the tool would have done had the targets not been corrected; of a robot that mills a share.
-UNCORRECTED_PATH = _topic("simulation/uncorrected_path", ExecutedPath, STATE)
-MILLED_DOOR = _topic("simulation/milled_door", MilledDoor, STATE)
+UNCORRECTED_PATH = _topic(topic_names.UNCORRECTED_PATH, ExecutedPath, STATE)
+MILLED_DOOR = _topic(topic_names.MILLED_DOOR, MilledDoor, STATE)
 #: Several doors may be measured at once, and none shall be lost.
-DOOR_INSPECTION = _topic("door/inspection", DoorInspection, _qos(100))
+DOOR_INSPECTION = _topic(topic_names.DOOR_INSPECTION, DoorInspection, _qos(100))
 #: What was handed in as files; apart from the gauge's, as no run waits for it. Who shows ended runs asks for what was
 #: handed in before it was there, bags hold it once.
 MODEL_INSPECTED = Topic(
-    "model/inspected", DoorInspection, _qos(100, DurabilityPolicy.TRANSIENT_LOCAL), _qos(100)
+    topic_names.MODEL_INSPECTED, DoorInspection, _qos(100, DurabilityPolicy.TRANSIENT_LOCAL), _qos(100)
 )
-MODEL_VERDICT = _topic("model/verdict", ModelVerdict, STATE)
-RUNS_VERDICT = _topic("model/runs_verdict", RunsVerdict, STATE)
-RUN_VERDICT = _topic("simulation/verdict", RunVerdict, STATE)
-DIAGNOSTICS = _topic("/diagnostics", DiagnosticArray, EVENT)
+MODEL_VERDICT = _topic(topic_names.MODEL_VERDICT, ModelVerdict, STATE)
+RUNS_VERDICT = _topic(topic_names.RUNS_VERDICT, RunsVerdict, STATE)
+RUN_VERDICT = _topic(topic_names.RUN_VERDICT, RunVerdict, STATE)
+DIAGNOSTICS = _topic(topic_names.DIAGNOSTICS, DiagnosticArray, EVENT)
 
 ALL: tuple[Topic, ...] = (
     IMAGE,

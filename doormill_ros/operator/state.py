@@ -9,6 +9,7 @@ from typing import Any
 from doormill_ros.cell.errors import OutOfToleranceError
 from doormill_ros.cell.inspection import MeasuredDoor
 from doormill_ros.operator.advice import Advice, next_step
+from doormill_ros.operator.captioned_picture import EncodedPicture
 from doormill_ros.operator.door_view import DoorView
 from doormill_ros.operator.ended_run import EndedRun
 from doormill_ros.operator.fault import Fault
@@ -16,7 +17,6 @@ from doormill_ros.operator.model_view import ModelView
 from doormill_ros.operator.moments import age, steady
 from doormill_ros.operator.pair_advice import pair_step
 from doormill_ros.operator.pair_view import PairView
-from doormill_ros.operator.picture import EncodedPicture
 from doormill_ros.operator.robot_view import RobotView
 from doormill_ros.operator.runs_view import RunsView
 from doormill_ros.operator.short_text import short

@@ -12,7 +12,14 @@ from doormill_ros.abb.link_errors import MillingFaultError
 from doormill_ros.cell.door_sensors import node_of
 from doormill_ros.cell.errors import StageRefusedError
 from doormill_ros.cell.layout import CAMERA
-from doormill_ros.cell.readiness import SHARES
+from doormill_ros.cell.node_names import (
+    CAMERA_SIMULATOR,
+    CONTROLLER_SIMULATOR,
+    DOOR_SHARES,
+    PATH_GENERATOR,
+    RECIPE_DATABASE,
+    SENSOR_SIMULATOR,
+)
 from doormill_ros.cell.run import LOCALIZATION, Run, StageLimits
 from doormill_ros.errors import DoormillError
 from doormill_ros.localization.sensors.agreement import check_agreement
@@ -24,9 +31,9 @@ from doormill_ros.pipeline.run_end import RunEnd
 
 ALONE_LIMIT = 10.0  # s
 #: Nodes without which a run comes to nothing, by stage. Those of the simulation are missed only where they have been.
-MILLING = ("controller_simulator",)
-TARGETS = ("path_generator", *MILLING)
-SIMULATED_NODES = ("camera_simulator", "sensor_simulator")
+MILLING = (CONTROLLER_SIMULATOR,)
+TARGETS = (PATH_GENERATOR, *MILLING)
+SIMULATED_NODES = (CAMERA_SIMULATOR, SENSOR_SIMULATOR)
 
 
 def picture_nodes(sensors: Sequence[str]) -> tuple[str, ...]:
@@ -36,7 +43,7 @@ def picture_nodes(sensors: Sequence[str]) -> tuple[str, ...]:
 
 def recipe_nodes(sensors: Sequence[str]) -> tuple[str, ...]:
     """Nodes without which no run comes to an end."""
-    return ("recipe_database", *picture_nodes(sensors))
+    return (RECIPE_DATABASE, *picture_nodes(sensors))
 
 
 def stage_of(sensor: str) -> str:
@@ -227,11 +234,11 @@ class Course:
     def _wait_for_the_word(self, may_mill: Callable[[], bool]) -> None:
         """Wait while the other robot gets its targets, and for as long as it mills where it is the first."""
         limits = self._limits
-        self._need((SHARES, *TARGETS))
+        self._need((DOOR_SHARES, *TARGETS))
         self._run.wait_until(
             may_mill,
             limits.picture + limits.targets + limits.ready + limits.read + limits.milling,
-            f"/{SHARES} did not give this robot the word to mill its share; look at the other robot",
+            f"/{DOOR_SHARES} did not give this robot the word to mill its share; look at the other robot",
         )
 
     def _announce(self, data: bytes) -> Path:

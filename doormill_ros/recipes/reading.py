@@ -29,12 +29,21 @@ def located(error: FieldError, place: str) -> FieldError:
 
 def as_mapping(document: Any, path: str) -> Mapping[str, Any]:
     """The document when it is a mapping with text keys; raises WrongType."""
+    mistake = no_mapping(document)
+    if mistake is not None:
+        raise WrongType(path, mistake[0], found=mistake[1])
+    fields: Mapping[str, Any] = document
+    return fields
+
+
+def no_mapping(document: Any) -> tuple[str, Any] | None:
+    """Why a document is no mapping with text keys, and what was found instead; None when it is one."""
     if not isinstance(document, Mapping):
-        raise WrongType(path, f"found {document!r:.80}, allowed are fields with names", found=document)
+        return f"found {document!r:.80}, allowed are fields with names", document
     for key in document:
         if not isinstance(key, str):
-            raise WrongType(path, f"found the field name {key!r}, allowed is text", found=key)
-    return document
+            return f"found the field name {key!r}, allowed is text", key
+    return None
 
 
 def read_part(

@@ -22,15 +22,14 @@ from doormill_ros.recipes.features.base import Feature
 from doormill_ros.recipes.features.registry import FEATURES
 from doormill_ros.recipes.program import Program, check_program
 from doormill_ros.recipes.quantities import (
-    NAME,
     Moment,
     Name,
     Quantity,
     TextPattern,
     Whole,
 )
-from doormill_ros.recipes.reading import as_mapping, join, read_part, read_value, write_part
-from doormill_ros.recipes.tabled_tool import TABLE, TOOLS, TabledTool, read_tool_table
+from doormill_ros.recipes.reading import as_mapping, join, read_part, write_part
+from doormill_ros.recipes.tabled_tool import TABLE, TOOLS, TabledTool, named_tools, read_tool_table
 from doormill_ros.recipes.tool import Tool
 from doormill_ros.values import Section
 
@@ -166,15 +165,10 @@ class Recipe(Section):
 def _read_tools(document: Any) -> dict[str, Tool]:
     if document is None:
         raise MissingField("tools", "is missing, the tools of the features must be given by name", found=None)
-    tools = {}
-    for name, content in as_mapping(document, "tools").items():
-        path = join("tools", name)
-        read_value(NAME.read, name, path)
-        content = as_mapping(content, path)
-        if "name" in content:
-            raise DuplicateName(join(path, "name"), f"the name {name!r} is already given, leave it out")
-        tools[name] = read_part(Tool, {"name": name, **content}, path)
-    return tools
+    return {
+        name: read_part(Tool, {"name": name, **content}, path)
+        for name, content, path in named_tools(document, TOOLS)
+    }
 
 
 def _with_table(own: dict[str, Tool], document: Any) -> dict[str, Tool]:

@@ -63,18 +63,28 @@ def read_tool_table(document: Any, path: str = TABLE, counted: bool = True) -> d
         FieldError: The leaf class says what is wrong, `field` where.
     """
     tools = {}
-    for name, content in as_mapping(document, path).items():
-        here = join(path, name)
-        read_value(NAME.read, name, here)
-        content = as_mapping(content, here)
-        if "name" in content:
-            raise DuplicateName(join(here, "name"), f"the name {name!r} is already given, leave it out")
+    for name, content, here in named_tools(document, path):
         if COUNTED in content and not counted:
             raise UnknownField(
                 join(here, COUNTED), "is counted by the database, leave it out", found=content[COUNTED]
             )
         tools[name] = read_part(TabledTool, {"name": name, **content}, here)
     return tools
+
+
+def named_tools(document: Any, path: str) -> Iterator[tuple[str, Mapping[str, Any], str]]:
+    """Names of the tools of a mapping of names to figures, those figures and their dotted path, one tool at a time.
+
+    Raises:
+        FieldError: It is no mapping, or a name is wrong or given twice.
+    """
+    for name, content in as_mapping(document, path).items():
+        here = join(path, name)
+        read_value(NAME.read, name, here)
+        content = as_mapping(content, here)
+        if "name" in content:
+            raise DuplicateName(join(here, "name"), f"the name {name!r} is already given, leave it out")
+        yield name, content, here
 
 
 def completed(document: Any, look_up: LookUp | None) -> Any:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,16 +11,16 @@ from pydantic import GetCoreSchemaHandler
 from pydantic_core import CoreSchema
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.frames import WRENCH_COMPONENTS
 from doormill_ros.recipes.errors import MissingField, OutOfRange, UnknownField, WrongType
 from doormill_ros.recipes.quantities import GRID_DECIMALS, complaint, number, schema
-from doormill_ros.recipes.reading import join
+from doormill_ros.recipes.reading import join, no_mapping
 
 DEFAULT = "default"
 FORCE_LIMIT = 5000.0  #: N; five times what a spindle of 5 kW gives at the speeds of the thesis
 MOMENT_LIMIT = 1000.0  #: N m
 LIMITS = (FORCE_LIMIT,) * 3 + (MOMENT_LIMIT,) * 3
 Six = tuple[float, float, float, float, float, float]
-COMPONENTS = ("fx", "fy", "fz", "mx", "my", "mz")
 
 
 @dataclass(frozen=True)
@@ -56,18 +56,17 @@ class WrenchRows:
 
     def read(self, value: Any) -> WrenchTable:
         """The table; raises `complaint`."""
-        if not isinstance(value, Mapping):
-            raise complaint(WrongType, f"found {value!r:.80}, allowed are fields with names", found=value)
-        for segment in value:
-            if not isinstance(segment, str):
-                raise complaint(
-                    WrongType, f"found the field name {segment!r}, allowed is text", found=segment
-                )
+        mistake = no_mapping(value)
+        if mistake is not None:
+            raise complaint(WrongType, mistake[0], found=mistake[1])
         rows = []
         for segment, row in value.items():
             if not isinstance(row, list | tuple) or len(row) != 6:
                 raise complaint(
-                    WrongType, f"found {row!r}, allowed are six numbers {COMPONENTS}", (segment,), found=row
+                    WrongType,
+                    f"found {row!r}, allowed are six numbers {WRENCH_COMPONENTS}",
+                    (segment,),
+                    found=row,
                 )
             rows.append((segment, _six(segment, row)))
         # One order whatever the document's: tables of equal content are equal.

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
 
 from doormill_ros.recording.bag_reader import bag_files
 from doormill_ros.recording.metadata import INFORMATION, METADATA
 
+T = TypeVar("T")
 _HEAD = 4096  # bytes of metadata.yaml in which its key stands
 
 
@@ -66,6 +68,40 @@ def newest_bags(place: Path) -> list[Path]:
             except OSError:
                 continue
     return sorted(written, key=lambda folder: written[folder], reverse=True)
+
+
+def size_of_bag(folder: Path) -> int:
+    """Size of the .mcap files of a bag, whole or being written [bytes].
+
+    Raises:
+        OSError: One was removed at this moment.
+    """
+    return sum(file.stat().st_size for file in folder.glob("*.mcap"))
+
+
+def latest_in_bags(
+    place: Path, runs_of: Callable[[Path], Mapping[str, T] | None], since: str, enough: int
+) -> dict[str, T]:
+    """Runs by id from the bags at any depth below a place, those that were written to last first, until it is enough.
+
+    Args:
+        place: The folder; it need not be there yet.
+        runs_of: Runs of a bag by id; None for a bag that says nothing.
+        since: The first run that counts; empty: all do.
+        enough: So many runs are, or so many bags one after another whose runs are all earlier.
+    """
+    found: dict[str, T] = {}
+    before = 0
+    for bag in newest_bags(place):
+        runs = runs_of(bag)
+        if runs is None:
+            continue
+        wanted = {run_id: run for run_id, run in runs.items() if run_id >= since}
+        found = wanted | found
+        before = before + 1 if runs and not wanted else 0
+        if len(found) >= enough or before >= enough:
+            break
+    return found
 
 
 def content_of_bag(folder: Path) -> BagContent:

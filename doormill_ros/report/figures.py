@@ -10,8 +10,8 @@ import numpy as np
 
 from doormill_ros.messages.from_message import transform_of
 from doormill_ros.messages.picture import picture_of
-from doormill_ros.operator.picture import MEDIA_TYPE, encode_picture
 from doormill_ros.pages.charts import BLUE, GREEN, GREY, RED, sheet, styled, svg
+from doormill_ros.pages.picture import MEDIA_TYPE, encode_picture
 from doormill_ros.report.run_record import HandshakeStep
 from doormill_ros.units import m_to_mm, m_to_um, rad_to_deg
 

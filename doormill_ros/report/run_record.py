@@ -6,28 +6,29 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from doormill_ros.cell import topic_names
+from doormill_ros.cell.two_robots import SECOND, in_robot
 from doormill_ros.measurements.inspection import BESIDE_BAG, DESCRIPTION, Inspection, read_inspection
 from doormill_ros.messages.stamps import seconds_of
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.recording.errors import EmptyBagError
 
 LATEST = (
-    "door/recipe",
-    "door/localization",
-    "door/overlay",
-    "camera/image_raw",
-    "path/targets",
-    "abb/target_file",
-    "run/result",
-    "simulation/door_placement",
-    "simulation/executed_path",
-    "simulation/milled_door",
-    "simulation/verdict",
+    topic_names.DOOR_RECIPE,
+    topic_names.DOOR_LOCALIZATION,
+    topic_names.DOOR_OVERLAY,
+    topic_names.IMAGE,
+    topic_names.PATH_TARGETS,
+    topic_names.ABB_TARGET_FILE,
+    topic_names.RUN_RESULT,
+    topic_names.DOOR_PLACEMENT,
+    topic_names.EXECUTED_PATH,
+    topic_names.MILLED_DOOR,
+    topic_names.RUN_VERDICT,
 )
-STATUS = "abb/status"
 #: Of any run, also of one that ended before; the gauge's before those that were handed in as files.
-INSPECTIONS = ("door/inspection", "model/inspected")
-SECOND = "/robot2/"  #: in the topics of the second of two robots
+INSPECTIONS = (topic_names.DOOR_INSPECTION, topic_names.MODEL_INSPECTED)
+_OF_THE_SECOND = f"/{in_robot(SECOND)}/"  #: in the topics of the second of two robots
 
 
 @dataclass
@@ -60,7 +61,7 @@ class RunRecord:
     @property
     def shared(self) -> bool:
         """Two robots milled the door."""
-        return any(SECOND in f"/{topic}" for topic in self.counts)
+        return any(_OF_THE_SECOND in f"/{topic}" for topic in self.counts)
 
     @property
     def inspection(self) -> Any:
@@ -74,11 +75,9 @@ class RunRecord:
 
 def _in_the_cell(topic: str) -> str:
     """The name of a topic without the namespace of the cell that it was recorded in, or of the first of two robots."""
-    if SECOND in topic:
+    if _OF_THE_SECOND in topic:
         return topic.lstrip("/")
-    return next(
-        (name for name in (*LATEST, STATUS, *INSPECTIONS) if topic.endswith(f"/{name}")), topic.lstrip("/")
-    )
+    return topic_names.name_of(topic, (*LATEST, topic_names.ABB_STATUS, *INSPECTIONS)) or topic.lstrip("/")
 
 
 def read_run(bag: Path) -> RunRecord:
@@ -99,12 +98,12 @@ def read_run(bag: Path) -> RunRecord:
             record.latest[topic] = item.message
         elif topic in INSPECTIONS:
             inspections[topic, item.message.run_id] = item.message
-        elif topic == STATUS:
+        elif topic == topic_names.ABB_STATUS:
             steps.append((seconds_of(item.message.since), item.message.state, item.message.reason))
-    result = record.get("run/result")
+    result = record.get(topic_names.RUN_RESULT)
     if result is None:
         raise EmptyBagError(
-            f"bag {bag} holds no run that ended (topic run/result is empty); record a whole run",
+            f"bag {bag} holds no run that ended (topic {topic_names.RUN_RESULT} is empty); record a whole run",
             bag=str(bag),
         )
     for topic, message in list(record.latest.items()):

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from doormill_ros import __version__
+from doormill_ros.cell import topic_names
 from doormill_ros.cell.errors import OutOfToleranceError
 from doormill_ros.cell.inspection import MILLED, NOT_MEASURED, OUT_OF_TOLERANCE, MeasuredDoor, outcome
 from doormill_ros.cell.layout import load_layout
@@ -57,9 +58,9 @@ def _expected(program: MillingProgram) -> str:
 
 def _facts(record: RunRecord) -> dict[str, str]:
     """Label and value of the table at the top."""
-    result, recipe = record.get("run/result"), record.get("door/recipe")
-    found, true = record.get("door/localization"), record.get("simulation/door_placement")
-    targets, milled = record.get("path/targets"), record.get("simulation/milled_door")
+    result, recipe = record.get(topic_names.RUN_RESULT), record.get(topic_names.DOOR_RECIPE)
+    found, true = record.get(topic_names.DOOR_LOCALIZATION), record.get(topic_names.DOOR_PLACEMENT)
+    targets, milled = record.get(topic_names.PATH_TARGETS), record.get(topic_names.MILLED_DOOR)
     facts = {"run": result.run_id, "software": f"doormill_ros {__version__}"}
     if recipe is not None:
         facts["recipe"] = (
@@ -104,7 +105,7 @@ def _facts(record: RunRecord) -> dict[str, str]:
         )
     elif inspection.measured:
         facts["milled"] = inspection.sentence
-    verdict = record.get("simulation/verdict")
+    verdict = record.get(topic_names.RUN_VERDICT)
     if verdict is not None:
         facts["touched"] = verdict.message
     if result.target_file:
@@ -124,7 +125,7 @@ def _handed_over(result: Any) -> bool:
 
 def _inspection(record: RunRecord) -> MeasuredDoor:
     """How the door came out."""
-    milled, gauged = record.get("simulation/milled_door"), record.inspection
+    milled, gauged = record.get(topic_names.MILLED_DOOR), record.inspection
     if milled is not None:
         return inspection_of(milled)
     return MeasuredDoor() if gauged is None else gauged_of(gauged)
@@ -132,10 +133,10 @@ def _inspection(record: RunRecord) -> MeasuredDoor:
 
 def _outcome(record: RunRecord) -> str:
     """What the run came to in a few words, from what was measured: bags of older software call every end a success."""
-    result, inspection = record.get("run/result"), _inspection(record)
+    result, inspection = record.get(topic_names.RUN_RESULT), _inspection(record)
     if _handed_over(result) and inspection.out_of_tolerance:
         return OUT_OF_TOLERANCE
-    judged = record.get("simulation/verdict")
+    judged = record.get(topic_names.RUN_VERDICT)
     if result.success and judged is not None and not judged.success:
         return TOUCHED
     return outcome(result.success, result.error_code, inspection.measured)
@@ -143,7 +144,7 @@ def _outcome(record: RunRecord) -> str:
 
 def _target_lines(record: RunRecord) -> list[str]:
     """The RAPID file as recorded, also of a run that failed once it was handed over; of older bags from the disk."""
-    message, result = record.get("abb/target_file"), record.get("run/result")
+    message, result = record.get(topic_names.ABB_TARGET_FILE), record.get(topic_names.RUN_RESULT)
     if message is not None and result.run_id in message.data:
         text = message.data
     elif result.target_file and Path(result.target_file).is_file():
@@ -178,9 +179,9 @@ def _door(recipe: Any, targets: Any, pose: Any) -> str:
 
 def _figures(record: RunRecord) -> dict[str, str]:
     """Heading and drawing of every picture that the record allows."""
-    recipe, found = record.get("door/recipe"), record.get("door/localization")
-    targets, executed = record.get("path/targets"), record.get("simulation/executed_path")
-    milled, true = record.get("simulation/milled_door"), record.get("simulation/door_placement")
+    recipe, found = record.get(topic_names.DOOR_RECIPE), record.get(topic_names.DOOR_LOCALIZATION)
+    targets, executed = record.get(topic_names.PATH_TARGETS), record.get(topic_names.EXECUTED_PATH)
+    milled, true = record.get(topic_names.MILLED_DOOR), record.get(topic_names.DOOR_PLACEMENT)
     accepted = targets if targets is not None and targets.accepted else None
     localized = found if found is not None and found.accepted else None
     figures = {}
@@ -200,7 +201,7 @@ def _figures(record: RunRecord) -> dict[str, str]:
 
 def _picture(record: RunRecord) -> str:
     """URL of the overlay, else of the camera's picture; empty when there is none that can be read."""
-    message = record.get("door/overlay") or record.get("camera/image_raw")
+    message = record.get(topic_names.DOOR_OVERLAY) or record.get(topic_names.IMAGE)
     try:
         return "" if message is None else picture_url(message)
     except BadPicture:
@@ -225,9 +226,9 @@ def _refusal(code: int, handed_over: bool) -> Paragraphs:
 
 def render_report(record: RunRecord) -> str:
     """The whole page, self-contained."""
-    result, recipe = record.get("run/result"), record.get("door/recipe")
+    result, recipe = record.get(topic_names.RUN_RESULT), record.get(topic_names.DOOR_RECIPE)
     picture, target_lines = _picture(record), _target_lines(record)
-    judged, came_to = record.get("simulation/verdict"), _outcome(record)
+    judged, came_to = record.get(topic_names.RUN_VERDICT), _outcome(record)
     top = []
     if came_to == OUT_OF_TOLERANCE:
         top.append(Paragraphs([f"Error code {OutOfToleranceError.code}. {_inspection(record).sentence}."]))

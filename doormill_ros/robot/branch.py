@@ -31,25 +31,20 @@ def choose_branch(
     T_base_flange: FloatArray,
     *,
     rules: BranchRules | None = None,
-    start: FloatArray | None = None,
-    compliance: Callable[[FloatArray], FloatArray] | None = None,
     segment: FloatArray | None = None,
     branches: Iterable[int] = range(BRANCHES),
 ) -> FloatArray:
     """Joint angles along a path in one configuration.
 
     A candidate is a branch, followed continuously along the path, with the whole turns of its
-    joints. Of those that keep to the rules the one whose softest pose is stiffest wins.
+    joints. Of those that keep to the rules the one whose softest pose is stiffest wins, by the
+    translational compliance of the flange under the robot's own joint stiffness; among equally
+    stiff ones the one farthest from its limits.
 
     Args:
         robot: The robot.
         T_base_flange: Poses in the order of the path, shape (n, 4, 4).
         rules: What to keep to; None for the defaults.
-        start: Joint angles before the path, shape (6,) [rad]; among equally stiff candidates the
-            nearest is taken. None to take the one farthest from its limits.
-        compliance: Function of joint angles (n, 6) giving a compliance (n,) that decides what is
-            stiff, in any unit; None for the translational compliance of the flange under the
-            robot's own joint stiffness.
         segment: Label of the segment each pose belongs to, shape (n,). Between neighbouring segments
             the robot is free to move joint by joint; when no one configuration serves the whole
             path the wrist may flip there. None for a path that allows no change.
@@ -69,7 +64,6 @@ def choose_branch(
     T_base_flange = np.asarray(T_base_flange, dtype=float)
     if T_base_flange.ndim != 3 or T_base_flange.shape[1:] != (4, 4) or not len(T_base_flange):
         raise ValueError(f"the path has shape {T_base_flange.shape}, allowed is (n, 4, 4) with n > 0")
-    compliance = compliance or _flange_compliance(robot)
     solutions = inverse_branches(robot, T_base_flange)
     check_reach(robot, T_base_flange, solutions)
     n = len(solutions)
@@ -77,13 +71,13 @@ def choose_branch(
     if labels.shape != (n,):
         raise ValueError(f"segment has shape {labels.shape}, allowed is ({n},), one label a pose")
     borders = [0, *(np.nonzero(labels[1:] != labels[:-1])[0] + 1).tolist(), n]
-    search = _Search(robot, rules, compliance)
+    search = _Search(robot, rules, _flange_compliance(robot))
     try:
-        return search.best(solutions, branches, borders, start)[1]
+        return search.best(solutions, branches, borders)[1]
     except (JointLimitError, SingularityError, BranchError):
         if len(borders) == 2:
             raise
-    return _piecewise(search, solutions, tuple(branches), borders, start)
+    return _piecewise(search, solutions, tuple(branches), borders)
 
 
 def _piecewise(
@@ -91,7 +85,6 @@ def _piecewise(
     solutions: FloatArray,
     allowed: tuple[int, ...],
     borders: list[int],
-    start: FloatArray | None,
 ) -> FloatArray:
     """One configuration a segment.
 
@@ -105,9 +98,9 @@ def _piecewise(
         softness = 0.0
         try:
             for first, last in itertools.pairwise(borders):
-                before = parts[-1][-1] if parts else start
+                before = parts[-1][-1] if parts else None
                 flips = [branch for branch in (arm, arm + 1) if branch in allowed]
-                soft, q = search.best(solutions[first:last], flips, [0, last - first], before, first)
+                soft, q = search.best(solutions[first:last], flips, [0, last - first], first, before)
                 softness = max(softness, soft)
                 parts.append(q)
         except RobotError as error:
@@ -130,10 +123,13 @@ class _Search:
         solutions: FloatArray,
         allowed: Iterable[int],
         borders: list[int],
-        start: FloatArray | None,
         first: int = 0,
+        start: FloatArray | None = None,
     ) -> tuple[float, FloatArray]:
-        """Largest compliance and joint angles of the best candidate; `first` numbers its first pose."""
+        """Largest compliance and joint angles of the best candidate; `first` numbers its first pose.
+
+        Among equally stiff ones that is the nearest to `start`, shape (6,) [rad], where there is one.
+        """
         rejected = Rejected()
         best: tuple[float, float, FloatArray] | None = None
         for branch in allowed:

@@ -33,13 +33,13 @@ def clearance(robot: Robot, q: FloatArray) -> Clearance:
     forearm = frames.origin[4] - frames.origin[2]
     wrist_centre = frames.origin[4] - frames.origin[0]
     return Clearance(
-        wrist=_line_angle(frames.z[3], frames.z[5]),
-        elbow=_line_angle(lower_arm, forearm),
+        wrist=line_angle(frames.z[3], frames.z[5]),
+        elbow=line_angle(lower_arm, forearm),
         shoulder=np.hypot(dot(frames.x[0], wrist_centre), dot(frames.y[0], wrist_centre)),
     )
 
 
-def _line_angle(a: FloatArray, b: FloatArray) -> FloatArray:
+def line_angle(a: FloatArray, b: FloatArray) -> FloatArray:
     """Angle between two lines, 0 to 90 degrees, shapes (3, n) to (n,)."""
     normal = cross(a, b)
     return np.arctan2(np.sqrt(dot(normal, normal)), np.abs(dot(a, b)))

@@ -9,6 +9,7 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import cross
 from doormill_ros.toolpath.errors import ArcError
+from doormill_ros.toolpath.plain_vectors import plain_cross, plain_dot
 from doormill_ros.toolpath.program import MillingProgram
 from doormill_ros.units import deg_to_rad, m_to_mm, rad_to_deg
 
@@ -79,7 +80,7 @@ def circles(
 def turn_between(a: FloatArray, b: FloatArray) -> float:
     """Angle between two vectors of shape (3,) [rad]."""
     first, second = a.tolist(), b.tolist()
-    return math.atan2(math.hypot(*_cross(first, second)), _dot(first, second))
+    return math.atan2(math.hypot(*plain_cross(first, second)), plain_dot(first, second))
 
 
 def _turned(along: FloatArray, aside: FloatArray, angle: FloatArray, across: FloatArray) -> FloatArray:
@@ -88,14 +89,6 @@ def _turned(along: FloatArray, aside: FloatArray, angle: FloatArray, across: Flo
     turned = np.cos(angle)[:, None] * along + np.sin(angle)[:, None] * aside
     unit: FloatArray = turned / np.maximum(np.linalg.norm(along, axis=1), 1e-300)[:, None]
     return unit
-
-
-def _dot(a: list[float], b: list[float]) -> float:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-def _cross(a: list[float], b: list[float]) -> list[float]:
-    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 
 
 def turns_between(a: FloatArray, b: FloatArray) -> FloatArray:

@@ -11,6 +11,7 @@ import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray, IntArray
 from doormill_ros.frames import cross
+from doormill_ros.toolpath.plain_vectors import plain_cross, plain_dot
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,26 +154,17 @@ def arc_about(start: FloatArray, centre: FloatArray, normal: FloatArray, sweep: 
 
 def arc_through(start: FloatArray, via: FloatArray, end: FloatArray) -> Arc:
     """The arc that a MoveC from `start` makes, all of shape (3,) [m], not on one line."""
-    # In plain numbers: of three points at a time numpy would take ten times as long.
     first, chord = (via - start).tolist(), (end - start).tolist()
-    normal = _cross(first, chord)
-    squared = _dot(normal, normal)
-    by_chord, by_first = 0.5 * _dot(chord, chord) / squared, 0.5 * _dot(first, first) / squared
-    inwards, back = _cross(normal, first), _cross(chord, normal)
+    normal = plain_cross(first, chord)
+    squared = plain_dot(normal, normal)
+    by_chord, by_first = 0.5 * plain_dot(chord, chord) / squared, 0.5 * plain_dot(first, first) / squared
+    inwards, back = plain_cross(normal, first), plain_cross(chord, normal)
     arm = [-(by_chord * a + by_first * b) for a, b in zip(inwards, back, strict=True)]  # centre to start
     size = math.sqrt(squared)
-    across = _cross([each / size for each in normal], arm)
+    across = plain_cross([each / size for each in normal], arm)
     to_end = [a + b for a, b in zip(arm, chord, strict=True)]
-    sweep = math.atan2(_dot(across, to_end), _dot(arm, to_end)) % (2.0 * math.pi)
+    sweep = math.atan2(plain_dot(across, to_end), plain_dot(arm, to_end)) % (2.0 * math.pi)
     return Arc(start, end, start - np.array(arm), np.array(across), sweep)
-
-
-def _cross(a: Sequence[float], b: Sequence[float]) -> list[float]:
-    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-
-
-def _dot(a: Sequence[float], b: Sequence[float]) -> float:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def points_of(curves: Sequence[Curve], index: IntArray, fraction: FloatArray) -> FloatArray:

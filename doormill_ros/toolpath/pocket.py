@@ -11,6 +11,7 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import cross
 from doormill_ros.recipes.features.base import CLEARING
+from doormill_ros.toolpath.arcs import SMALLEST_CHORD
 from doormill_ros.toolpath.curve import Arc, Curve, Line, arc_about
 from doormill_ros.toolpath.cut_writer import ABOVE_FLOOR, NEAR, CutWriter
 from doormill_ros.toolpath.entry import centred, descent, head_room, straight_descent
@@ -31,8 +32,7 @@ SHORTEST_LEAD = 2e-4  #: below this radius there is no room to lead in on an arc
 AHEAD = 4.0  #: of the lead radius: where a wall pass begins behind another contour
 LIFT = ABOVE_FLOOR  #: above the surface where a ramp begins [m]
 CLOSING = 0.005  #: how far the wall pass runs past its start, so that no mark stays [m]
-SMALLEST_CHORD = 1e-4  #: a MoveC needs more than this from its start to its circle point [m]
-LARGEST_ARC = deg_to_rad(180.0)  #: longer arcs are divided; MoveC allows about 240 degrees
+LARGEST_PIECE = deg_to_rad(180.0)  #: longer arcs are divided, long before MoveC refuses them
 AROUND = 0.8  #: of the room beside the mill: how far from the middle it goes down before a wall pass
 
 
@@ -238,7 +238,7 @@ def _followable(curve: Curve, name: str) -> list[tuple[Curve, str]]:
     """The curve in pieces that MoveL and MoveC can follow."""
     if not isinstance(curve, Arc):
         return [(curve, name)]
-    count = max(1, math.ceil(curve.sweep / LARGEST_ARC - 1e-9))
+    count = max(1, math.ceil(curve.sweep / LARGEST_PIECE - 1e-9))
     cuts = np.linspace(0.0, 1.0, count + 1)
     parts = [curve.part(a, b) for a, b in itertools.pairwise(cuts)]
     if np.linalg.norm(parts[0].point(0.5) - parts[0].start) > SMALLEST_CHORD:

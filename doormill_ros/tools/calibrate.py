@@ -133,8 +133,7 @@ def _lens(arguments: argparse.Namespace) -> list[str]:
             f"the radial coefficients are {', '.join(f'{v:g}' for v in radial)}, allowed are numbers up to "
             f"{MOST_RADIAL:g}; give k1 k2 k3 of a calibration"
         )
-    found = check_lens(camera.k, camera.size, radial)
-    focal = float(np.sqrt(camera.k[0, 0] * camera.k[1, 1]))
+    found, focal = check_lens(camera.k, camera.size, radial), camera.focal
     lines = [
         f"the picture's corner is at r = {found.corner:.3f}, {found.corner * focal:.0f} px from the centre"
     ]

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from doormill_ros.cell.errors import BadParameterError, RosArgumentsError
+from doormill_ros.cell.node_names import CAMERA_SIMULATOR, CONTROLLER_SIMULATOR, OPERATOR_PAGE, PATH_GENERATOR
 from doormill_ros.cell.run_folder import point_latest
 from doormill_ros.interrupts import die_of_interrupts, interrupt_once, interruptible
 from doormill_ros.tools.cell_options import parse
@@ -54,9 +55,9 @@ def _parameters(options: argparse.Namespace) -> Parameters:
     if options.offset is not None:
         y, z, rotation = options.offset
         camera |= {"offset_y": mm_to_m(y), "offset_z": mm_to_m(z), "offset_rotation": deg_to_rad(rotation)}
-    parameters: Parameters = {"camera_simulator": camera}
+    parameters: Parameters = {CAMERA_SIMULATOR: camera}
     if options.robot_model:
-        parameters["path_generator"] = {"robot_model": Path(options.robot_model).resolve()}
+        parameters[PATH_GENERATOR] = {"robot_model": Path(options.robot_model).resolve()}
     return parameters
 
 
@@ -81,9 +82,9 @@ def _mill_door(options: argparse.Namespace, parameters: Parameters, alone: bool)
         print(f"{summary.message}\nthe cell stays up for the operator's page; end it with Ctrl-C", flush=True)
 
     if options.effects:
-        parameters["controller_simulator"] = {"effects": Path(options.effects).resolve()}
+        parameters[CONTROLLER_SIMULATOR] = {"effects": Path(options.effects).resolve()}
     if options.ui is not None:
-        parameters["operator_page"] = _page(options, folder)
+        parameters[OPERATOR_PAGE] = _page(options, folder)
     cell = CellOptions(
         parameters,
         options.ui is not None,
@@ -187,7 +188,7 @@ def _mill_shift(options: argparse.Namespace, parameters: Parameters, alone: bool
         print(f"[{number + 1}/{len(doors)}] {summary.message}", file=sys.stderr, flush=True)
 
     if options.monitor:
-        parameters["controller_simulator"] = {"gauged": True}
+        parameters[CONTROLLER_SIMULATOR] = {"gauged": True}
     cell = CellOptions(parameters, namespace=options.namespace, sensors=tuple(options.sensor))
     try:
         if options.robot_model:

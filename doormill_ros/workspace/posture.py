@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from doormill_ros.arrays import FloatArray, IntArray
-from doormill_ros.robot.chain import JOINTS, ChainFrames, chain_frames, cross, dot, jacobian_columns
+from doormill_ros.robot.chain import JOINTS, chain_frames, jacobian_columns
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.inverse import inverse_branches
+from doormill_ros.robot.singularity import line_angle
 from doormill_ros.workspace.conditioning import characteristic_length, inverse_condition_number
 
 #: R_base_flange at a hinge: flange z along base +x, flange x along base -y (from table 4.6).
@@ -86,7 +87,7 @@ def _fill(
     result["conditioning"][part] = inverse_condition_number(frames, velocity, length)
     result["stiffness"][part] = softest_direction(velocity, robot.stiffness)
     result["margin"][part] = room.min(axis=2).max(axis=1)
-    result["wrist"][part] = _wrist_angle(frames)
+    result["wrist"][part] = line_angle(frames.z[3], frames.z[5])
     result["clearance"][part] = frames.origin[JOINTS, 0] - frames.origin[2, 0]
 
 
@@ -99,8 +100,3 @@ def softest_direction(velocity: FloatArray, stiffness: FloatArray) -> FloatArray
     """
     compliance = np.einsum("jin,jkn,j->nik", velocity, velocity, 1.0 / stiffness)
     return 1.0 / np.linalg.eigvalsh(compliance)[:, -1]
-
-
-def _wrist_angle(frames: ChainFrames) -> FloatArray:
-    normal = cross(frames.z[3], frames.z[5])
-    return np.arctan2(np.sqrt(dot(normal, normal)), np.abs(dot(frames.z[3], frames.z[5])))

@@ -9,9 +9,9 @@ import pytest
 
 from doormill_ros.abb import signals
 from doormill_ros.abb.analog_inputs import AnalogInputs, decimal
+from doormill_ros.abb.handshake.spindle_load import LoadSample, SpindleLoadMeter
 from doormill_ros.abb.handshake.state import HandshakeSnapshot, HandshakeState
 from doormill_ros.abb.link_errors import ReadTimeoutError, SignalReadError, UnknownSignalError
-from doormill_ros.abb.spindle_load import LoadSample, SpindleLoadMeter
 from doormill_ros.abb.transports.rws import RwsTransport
 from doormill_ros.abb.transports.simulated_folder import SimulatedFolderTransport
 from doormill_ros.simulation.controller.io_configuration import read_io_configuration

@@ -15,7 +15,7 @@ from doormill_ros.recipes.program import Program
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot_model.extended_model import load_compliance_model
-from doormill_ros.simulation.milled_part import inspect
+from doormill_ros.simulation.judge.milled_part import inspect
 from doormill_ros.simulation.truth.robot import TruthRobot
 from doormill_ros.toolpath.generate import generate_program
 from doormill_ros.tools.diagnose import main

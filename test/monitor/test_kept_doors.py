@@ -7,8 +7,9 @@ from datetime import UTC, datetime, timedelta
 import numpy as np
 import pytest
 
+from doormill_ros.cell.topic_names import RUN_RESULT
 from doormill_ros.monitor.kept_doors import DOOR, DoorPoints, KeptDoors
-from doormill_ros.monitor.recorded_runs import RESULT, RecordedRuns
+from doormill_ros.monitor.recorded_runs import RecordedRuns
 from doormill_ros.recording.bag_reader import read_bag
 from support.source_tree import ROOT
 
@@ -22,7 +23,7 @@ def runs(tmp_path):
     folder = tmp_path / "bags"
     for name in BAGS:
         shutil.copytree(ROOT / "bags" / name, folder / name)
-    found = [item.message.run_id for name in BAGS for item in read_bag(folder / name, [RESULT])]
+    found = [item.message.run_id for name in BAGS for item in read_bag(folder / name, [f"/{RUN_RESULT}"])]
     return sorted(found), RecordedRuns(folder)  # their ids begin with when they were milled
 
 

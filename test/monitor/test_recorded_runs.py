@@ -5,14 +5,24 @@ import shutil
 
 import pytest
 
-from doormill_ros.diagnosis.parts.recorded_cut import EXECUTED_PATH, LOCALIZATION, RECIPE, TARGETS
-from doormill_ros.monitor.recorded_runs import RESULT, RecordedRuns
+from doormill_ros.cell import topic_names
+from doormill_ros.monitor.recorded_runs import RecordedRuns
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.recording.bag_writer import BagWriter
 from support.real_bags import as_real
 from support.source_tree import ROOT
 
 BAG = ROOT / "bags" / "standard_door"
+RECIPE, LOCALIZATION, TARGETS, EXECUTED_PATH, RESULT = NEEDED = [
+    f"/{name}"
+    for name in (
+        topic_names.DOOR_RECIPE,
+        topic_names.DOOR_LOCALIZATION,
+        topic_names.PATH_TARGETS,
+        topic_names.EXECUTED_PATH,
+        topic_names.RUN_RESULT,
+    )
+]
 
 
 def test_a_folder_that_vanishes_during_the_search_hides_no_run(tmp_path, monkeypatch):
@@ -33,7 +43,7 @@ def test_a_folder_that_vanishes_during_the_search_hides_no_run(tmp_path, monkeyp
     assert (found.bag, found.door_id) == (tmp_path / "bag", end.door_id)
 
 
-@pytest.mark.parametrize("late", [EXECUTED_PATH, LOCALIZATION, RECIPE, RESULT, TARGETS])
+@pytest.mark.parametrize("late", NEEDED)
 def test_a_run_is_not_there_before_all_that_is_asked_of_it(tmp_path, late):
     messages = list(read_bag(BAG))
     (end,) = [item.message for item in messages if item.topic == RESULT]
@@ -42,7 +52,7 @@ def test_a_run_is_not_there_before_all_that_is_asked_of_it(tmp_path, late):
         writer.add_topic(item.topic, item.type_name)
     # Of the door before, whose pose and path are in the bag.
     for item in messages:
-        if item.topic in (RECIPE, LOCALIZATION, EXECUTED_PATH, RESULT, TARGETS):
+        if item.topic in NEEDED:
             former = item.data.replace(end.run_id.encode(), b"2" * len(end.run_id))
             writer.write(item.topic, former, item.stamp_ns)
     for item in messages:

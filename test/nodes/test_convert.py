@@ -29,7 +29,7 @@ from doormill_ros.robot.bodies import Body
 from doormill_ros.robot.configuration import ConfData
 from doormill_ros.robot.description import load_robot
 from doormill_ros.simulation.controller.executed_path import ExecutedPath
-from doormill_ros.simulation.milled_part import FeatureResult, MilledPart
+from doormill_ros.simulation.judge.milled_part import FeatureResult, MilledPart
 from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target
 from doormill_ros.toolpath.settings import load_settings
 

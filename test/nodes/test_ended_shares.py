@@ -9,7 +9,7 @@ import pytest
 
 from doormill_interfaces.action import MillDoor
 from doormill_ros.cell.errors import RunCutOffError
-from doormill_ros.cell.readiness import SHARES
+from doormill_ros.cell.node_names import DOOR_SHARES
 from doormill_ros.cell.run_in_hand import RunNote
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.goal_client import GoalClient
@@ -23,8 +23,8 @@ DOOR = "thesis_190_0deg"
 def shares(tmp_path_factory: pytest.TempPathFactory) -> Iterator[CellProcesses]:
     """The node that shares doors among two robots, of which none is there, so that it waits."""
     folder = tmp_path_factory.mktemp("shares")
-    with CellProcesses(folder, {SHARES: {"note": folder}}, ["recipe_database", SHARES]) as running:
-        running.wait_until_active(SHARES)
+    with CellProcesses(folder, {DOOR_SHARES: {"note": folder}}, ["recipe_database", DOOR_SHARES]) as running:
+        running.wait_until_active(DOOR_SHARES)
         yield running
 
 
@@ -35,10 +35,10 @@ def test_who_shares_a_door_among_two_robots_tells_it_too(shares: CellProcesses, 
     assert goal.wait_for_server(LIMIT)
     goal.send_goal_async(MillDoor.Goal(door_id=DOOR))
     run, door = shares.wait(note.read)
-    shares.stop(SHARES, how)
-    shares.start(SHARES)
+    shares.stop(DOOR_SHARES, how)
+    shares.start(DOOR_SHARES)
     ended = shares.wait(lambda: next((m for m in results if m.run_id == run), None))
     assert (ended.door_id, ended.error_code) == (door, RunCutOffError.code) == (DOOR, RunCutOffError.code)
     assert "both robots" in ended.message
     assert shares.wait(lambda: note.read() is None)
-    shares.wait_until_active(SHARES)
+    shares.wait_until_active(DOOR_SHARES)

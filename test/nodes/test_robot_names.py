@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import ast
 
-from doormill_ros.nodes.robots import ROBOTS, in_robot, robot_remappings
+from doormill_ros.cell.two_robots import in_robot
+from doormill_ros.nodes.robots import ROBOTS, robot_remappings
 from support.source_tree import ROOT
 
 

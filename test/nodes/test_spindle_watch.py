@@ -8,9 +8,9 @@ import pytest
 import rclpy
 
 from doormill_interfaces.msg import SpindleLoad
+from doormill_ros.abb.handshake.spindle_load import SpindleLoadMeter
 from doormill_ros.abb.handshake.state import HandshakeSnapshot, HandshakeState
 from doormill_ros.abb.link_errors import LinkError, ReadTimeoutError, UnknownSignalError
-from doormill_ros.abb.spindle_load import SpindleLoadMeter
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.spindle_watch import SPINDLE_PARAMETER, SpindleWatch

@@ -21,7 +21,7 @@ from doormill_ros.nodes import topics
 from doormill_ros.nodes.abb_bridge import AbbBridge
 from doormill_ros.nodes.gige_camera import GigeCamera
 from doormill_ros.nodes.live_replay import LiveOptions, repeats_the_end, replay_live
-from doormill_ros.recording.replay.answer import LOCALIZATION, RECIPE, RESULT
+from doormill_ros.recording.replay.answer import LOCALIZATION_STAGE, RECIPE_STAGE, RESULT_STAGE
 from doormill_ros.recording.replay.offline import replay_offline
 from doormill_ros.recording.replay.recorded_run import RecordedRun
 from doormill_ros.recording.replay.run_reader import read_runs
@@ -119,10 +119,10 @@ def test_its_run_is_replayed_as_far_as_it_goes() -> None:
     run = without_a_picture()
     assert not repeats_the_end(run)
     offline = {a.topic: a for a in replay_offline(run)}
-    assert offline[LOCALIZATION].not_compared
-    assert offline[RESULT].error_code == NoPictureInTime.code
+    assert offline[LOCALIZATION_STAGE].not_compared
+    assert offline[RESULT_STAGE].error_code == NoPictureInTime.code
     live = {a.topic: a for a in replay_live(run, LiveOptions(rate=math.inf))}
-    assert live.keys() == {RECIPE, LOCALIZATION, RESULT}
-    assert live[LOCALIZATION].values["error_code"] == NoPictureInTime.code
-    assert live[LOCALIZATION].not_compared
-    assert live[RESULT].not_compared
+    assert live.keys() == {RECIPE_STAGE, LOCALIZATION_STAGE, RESULT_STAGE}
+    assert live[LOCALIZATION_STAGE].values["error_code"] == NoPictureInTime.code
+    assert live[LOCALIZATION_STAGE].not_compared
+    assert live[RESULT_STAGE].not_compared

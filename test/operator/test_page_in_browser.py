@@ -13,7 +13,7 @@ from doormill_ros.monitor.finding import NamedFault
 from doormill_ros.operator.door_view import DoorView, FeatureView
 from doormill_ros.operator.ended_run import EndedRun
 from doormill_ros.operator.model_view import ModelView, TrendDoor
-from doormill_ros.operator.picture import MEDIA_TYPE, encode_picture
+from doormill_ros.pages.picture import MEDIA_TYPE, encode_picture
 from support.browser import TABLET, open_page
 
 REASON = "door oak: no edge was found in the picture; clean the lens & check the lamp"

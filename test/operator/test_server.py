@@ -15,10 +15,10 @@ import pytest
 
 from doormill_ros.operator.errors import PageAddressError
 from doormill_ros.operator.page_server import PageServer
-from doormill_ros.operator.picture import LONGEST_SIDE, encode_picture
 from doormill_ros.operator.server import create_app
 from doormill_ros.operator.token import authorizes, new_token
 from doormill_ros.operator.view_store import ViewStore
+from doormill_ros.pages.picture import LONGEST_SIDE, encode_picture
 from support.source_tree import PACKAGE
 from support.waiting import LIMIT
 

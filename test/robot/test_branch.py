@@ -73,25 +73,6 @@ def test_no_legal_constant_branch_is_noticeably_stiffer(irb6600, seed):
     assert chosen <= min(legal) * rules.equal_compliance * (1 + 1e-9)
 
 
-def test_a_compliance_of_ones_own_decides(irb6600):
-    path = EDGE[-4:]
-    elbow_up = choose_branch(
-        irb6600, path, compliance=lambda q: np.where(q[:, 2] > np.radians(-80), 1.0, 2.0)
-    )
-    elbow_down = choose_branch(
-        irb6600, path, compliance=lambda q: np.where(q[:, 2] > np.radians(-80), 2.0, 1.0)
-    )
-    assert set(configuration_index(irb6600, elbow_up)) <= {0, 1}
-    assert set(configuration_index(irb6600, elbow_down)) <= {2, 3}
-
-
-def test_the_start_decides_between_turns(irb6600):
-    rest = choose_branch(irb6600, EDGE[:3])
-    wound = rest[0] + [0, 0, 0, 0, 0, 2 * np.pi]
-    q = choose_branch(irb6600, EDGE[:3], start=wound)
-    np.testing.assert_allclose(q[0], wound, atol=1e-9)
-
-
 def test_a_wrist_singularity_on_the_path_is_named(irb6600):
     # Straight in front of the foot the forearm comes level at z = 2.02 m: axis 5 is straight there.
     with pytest.raises(SingularityError, match="axis 5 is 0") as caught:

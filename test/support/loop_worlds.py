@@ -18,7 +18,7 @@ from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.recipes.program import Program
 from doormill_ros.robot_model.warmth.work_times import WorkTimes
 from doormill_ros.simulation.controller.executed_path import ExecutedPath
-from doormill_ros.simulation.milled_part import inspect
+from doormill_ros.simulation.judge.milled_part import inspect
 from doormill_ros.simulation.world.door_truth import TAKT, DoorTruth
 from doormill_ros.simulation.world.world_file import load_world
 from support.gauged_shift import HINGE_DOORS, gauged_shift

@@ -8,7 +8,7 @@ from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.recipes.program import Program
 from doormill_ros.simulation.controller.limits import ControllerLimits
 from doormill_ros.simulation.controller.process import module_process
-from doormill_ros.simulation.milled_part import inspect
+from doormill_ros.simulation.judge.milled_part import inspect
 from doormill_ros.simulation.truth.robot import TruthRobot
 from doormill_ros.toolpath.door_checks import check_door
 from support.rapid_bench import arm, controller  # noqa: F401

@@ -13,7 +13,7 @@ from doormill_ros.recipes.features.registry import FEATURES
 from doormill_ros.recipes.program import Program
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.simulation.judge.bodies import load_cell
-from doormill_ros.simulation.milled_part import inspect
+from doormill_ros.simulation.judge.milled_part import inspect
 from doormill_ros.toolpath.door_plan import OVERLAP, SMALLEST_TURN, turn_radius
 from doormill_ros.toolpath.errors import (
     AirMoveError,

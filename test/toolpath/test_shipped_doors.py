@@ -7,7 +7,7 @@ import pytest
 from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.recipes.features.registry import FEATURES
 from doormill_ros.recipes.program import Program
-from doormill_ros.simulation.milled_part import inspect
+from doormill_ros.simulation.judge.milled_part import inspect
 from doormill_ros.toolpath.settings import load_settings
 from doormill_ros.toolpath.split import split
 

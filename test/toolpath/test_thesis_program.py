@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from doormill_ros.frames import quaternion_wxyz
-from doormill_ros.simulation.milled_part import inspect
+from doormill_ros.simulation.judge.milled_part import inspect
 from doormill_ros.toolpath.program import MotionKind
 from support.configuration import conf_data
 
@@ -174,7 +174,7 @@ def test_deflections_are_of_the_size_the_thesis_reports(door):
 
 
 def test_milled_door_is_within_tolerance_and_better_than_uncorrected(cell, door):
-    from doormill_ros.simulation.milled_part import inspect
+    from doormill_ros.simulation.judge.milled_part import inspect
 
     recipe, T_base_door, program = door
     found = {}

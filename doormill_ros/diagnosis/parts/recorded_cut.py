@@ -10,6 +10,14 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.topic_names import (
+    DOOR_LOCALIZATION,
+    DOOR_RECIPE,
+    EXECUTED_PATH,
+    PATH_TARGETS,
+    RUN_RESULT,
+    name_of,
+)
 from doormill_ros.measurements.inspection import Inspection
 from doormill_ros.messages.from_message import (
     program_of,
@@ -25,9 +33,7 @@ from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.toolpath.commanded_path import CommandedPath, commanded_path
 
-EXECUTED_PATH, TARGETS = "/simulation/executed_path", "/path/targets"
-LOCALIZATION, RECIPE, RESULT = "/door/localization", "/door/recipe", "/run/result"
-_TOPICS = (EXECUTED_PATH, TARGETS, LOCALIZATION, RECIPE, RESULT)
+_TOPICS = (EXECUTED_PATH, PATH_TARGETS, DOOR_LOCALIZATION, DOOR_RECIPE, RUN_RESULT)
 #: Of y, z and the rotation about x in the covariance of a pose.
 _IN_PLANE = (1, 2, 3)
 
@@ -60,32 +66,32 @@ def recorded_cut(inspection: Inspection) -> RecordedCut:
         SetDescriptionError: The bag does not hold that run, its pose or its path.
         BagError: The bag cannot be read.
     """
-    names = [topic for topic in topics_of(inspection.bag) if topic.endswith(_TOPICS)]
+    names = [topic for topic in topics_of(inspection.bag) if name_of(topic, _TOPICS)]
     found: dict[str, dict[str, Any]] = {}
     for item in read_bag(inspection.bag, names) if names else ():
-        kind = next(end for end in _TOPICS if item.topic.endswith(end))
-        if kind not in (LOCALIZATION, TARGETS) or item.message.accepted:
+        kind = name_of(item.topic, _TOPICS)
+        if kind not in (DOOR_LOCALIZATION, PATH_TARGETS) or item.message.accepted:
             found.setdefault(item.message.run_id, {})[kind] = item.message
     run = found.get(inspection.run_id, {})
-    if RECIPE not in run:
-        runs = [run_id for run_id, messages in found.items() if RECIPE in messages]
+    if DOOR_RECIPE not in run:
+        runs = [run_id for run_id, messages in found.items() if DOOR_RECIPE in messages]
         raise inspection.refuse("run_id", f"is {inspection.run_id!r}, the bag holds {', '.join(runs)}")
     for kinds, words in (
-        ((LOCALIZATION,), "door pose"),
-        ((EXECUTED_PATH, TARGETS), f"path on {TARGETS} or {EXECUTED_PATH}"),
+        ((DOOR_LOCALIZATION,), "door pose"),
+        ((EXECUTED_PATH, PATH_TARGETS), f"path on /{PATH_TARGETS} or /{EXECUTED_PATH}"),
     ):
         if not any(kind in run for kind in kinds):
             raise inspection.refuse("bag", f"names a bag that holds no {words} of run {inspection.run_id}")
     path, message = _path(run)
-    pose = run[LOCALIZATION].pose
+    pose = run[DOOR_LOCALIZATION].pose
     covariance = np.array(pose.covariance, dtype=float).reshape(6, 6)
     return RecordedCut(
-        recipe=recipe_of(run[RECIPE]),
+        recipe=recipe_of(run[DOOR_RECIPE]),
         T_base_door=transform_of(pose.pose),
         placing=covariance[np.ix_(_IN_PLANE, _IN_PLANE)],
         **vars(path),
         milled=seconds_of(message.header.stamp) or None,
-        robot_model=str(getattr(run.get(RESULT), "robot_model", "")),
+        robot_model=str(getattr(run.get(RUN_RESULT), "robot_model", "")),
     )
 
 
@@ -94,8 +100,8 @@ def _path(run: Mapping[str, Any]) -> tuple[CommandedPath, Any]:
     if EXECUTED_PATH not in run:
         layout = load_layout()
         kinematics = Kinematics(load_robot(layout.robot))
-        program = program_of(run[TARGETS])
-        return commanded_path(program, kinematics, layout.T_flange_tool), run[TARGETS]
+        program = program_of(run[PATH_TARGETS])
+        return commanded_path(program, kinematics, layout.T_flange_tool), run[PATH_TARGETS]
     told = run[EXECUTED_PATH]
     path = CommandedPath(
         tool=transforms_of(told.commanded),

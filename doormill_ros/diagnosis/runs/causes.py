@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.cell.layout import OFFSETS
 from doormill_ros.diagnosis.core.course import SizedEffect
 from doormill_ros.diagnosis.runs.channels import (
     ANSWER,
-    AXES,
     CAMERA,
     LINK,
     MARKS,
@@ -29,7 +29,7 @@ _SHARE = 0.3  #: size of a logarithm
 _LIKELY = 0.1  #: largest shift [m, rad]
 _LARGEST = 10.0  #: logarithm
 _FAR = 1e3
-TURN = AXES.index("rotation")
+TURN = OFFSETS.index("rotation")
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,7 +130,7 @@ def effects_of(channels: Sequence[Channel]) -> list[RunEffect]:
     others = [name for name in there if name not in _OWN]
     found: list[RunEffect] = []
     for axes in _AXES:
-        variant = "" if len(axes) == len(AXES) else f"along {AXES[axes[0]]}"
+        variant = "" if len(axes) == len(OFFSETS) else f"along {OFFSETS[axes[0]]}"
         offset = _parameter("offset", axes)
         # A camera that turned about x turns all doors the other way. Along y and z a turn about the other axes moves
         # doors too, by how far they are from the camera, so that marks say by themselves how far it moved.
@@ -164,7 +164,7 @@ def effects_of(channels: Sequence[Channel]) -> list[RunEffect]:
 def _parameter(name: str, axes: Sequence[int]) -> CauseParameter:
     if len(axes) > 1:
         return CauseParameter(name, ", ".join(UNITS[axis] for axis in axes), -_LIKELY, _LIKELY, len(axes))
-    return CauseParameter(f"{name}_{AXES[axes[0]]}", UNITS[axes[0]], -_LIKELY, _LIKELY)
+    return CauseParameter(f"{name}_{OFFSETS[axes[0]]}", UNITS[axes[0]], -_LIKELY, _LIKELY)
 
 
 #: What moves, moves along one axis or along all.

@@ -10,9 +10,10 @@ import numpy as np
 from scipy.special import polygamma
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.cell.layout import OFFSETS
 from doormill_ros.diagnosis.runs.ungauged_run import UngaugedRun
 
-AXES, UNITS = ("y", "z", "rotation"), ("m", "m", "rad")
+UNITS = ("m", "m", "rad")  #: of `OFFSETS`
 #: Sources of channels beside the other sensors, which have their own names.
 CAMERA, MARKS, RESIDUAL, SCATTER = "camera", "marks", "residual", "scatter"
 MILLING, ANSWER, LINK, SPINDLE = "milling", "answer", "link", "spindle load"
@@ -31,7 +32,7 @@ class Channel:
 
     Attributes:
         source: What tells it.
-        axis: Which of `AXES`; -1 for logarithms of a size or a time.
+        axis: Which of `OFFSETS`; -1 for logarithms of a size or a time.
         values: Of every run, nan where it tells none, shape (r,) [m, rad or 1].
         stated: Standard deviation that its source states, median of all runs; nan where it states none.
         least: Smallest scatter from run to run that is believed.
@@ -50,7 +51,7 @@ class Channel:
     @property
     def name(self) -> str:
         """As a chart has it."""
-        return self.source if self.axis < 0 else f"{self.source}, {AXES[self.axis]}"
+        return self.source if self.axis < 0 else f"{self.source}, {OFFSETS[self.axis]}"
 
     @property
     def unit(self) -> str:
@@ -63,7 +64,7 @@ def channels_of(runs: Sequence[UngaugedRun], fewest: int) -> list[Channel]:
     width = np.array([run.width for run in runs])
     logarithm = np.log(np.array([max(run.cycle_time, _LEAST_TIME) for run in runs]))
     predicted = np.where(np.isfinite(logarithm), logarithm, 0.0)
-    usual, none = _usual_scatter(runs), np.zeros((len(runs), len(AXES)))
+    usual, none = _usual_scatter(runs), np.zeros((len(runs), len(OFFSETS)))
     found: list[Channel] = []
 
     def places(
@@ -138,7 +139,7 @@ def _scatter(run: UngaugedRun, usual: FloatArray) -> float:
 def _scatter_of_scatter(runs: Sequence[UngaugedRun]) -> float:
     """Standard deviation of the logarithm of a scatter that pictures as few as these tell, by chance alone."""
     repeats = [len(run.pictures) for run in runs if len(run.pictures) >= REPEATS]
-    freedom = len(AXES) * (np.median(repeats) - 1.0) if repeats else 1.0
+    freedom = len(OFFSETS) * (np.median(repeats) - 1.0) if repeats else 1.0
     return float(0.5 * np.sqrt(polygamma(1, freedom / 2.0)))
 
 

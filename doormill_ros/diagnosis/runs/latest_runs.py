@@ -9,7 +9,7 @@ from pathlib import Path
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.diagnosis.runs.ungauged_run import UngaugedRun, runs_of_bag
 from doormill_ros.errors import DoormillError, one_line
-from doormill_ros.recording.bag_folders import newest_bags
+from doormill_ros.recording.bag_folders import latest_in_bags
 from doormill_ros.recording.bag_reader import is_broken_off
 
 
@@ -52,29 +52,26 @@ def latest_runs(folder: Path, count: int, since: str = "") -> LatestRuns:
         count: How many runs are wanted.
         since: The first run that counts; empty: all do.
     """
-    layout, left = load_layout(), []
-    found: dict[str, UngaugedRun] = {}
-    before = 0  # bags one after another whose runs are all earlier
-    for bag in newest_bags(folder):
+    layout = load_layout()
+    left: list[LeftBag] = []
+
+    def ended_in(bag: Path) -> dict[str, UngaugedRun] | None:
         try:
             whole = not is_broken_off(bag)
             runs = list(runs_of_bag(bag, layout))
         except DoormillError as error:
             left.append(LeftBag(bag, one_line(error.message)))
-            continue
+            return None
         except Exception as error:  # whatever another recorder wrote: the other bags are asked
             left.append(LeftBag(bag, one_line(f"cannot be used: {error!r}")))
-            continue
+            return None
         # Of a bag that is written to, the run in hand is not all there.
-        ended = [run for run in runs if whole or run.ended]
+        ended = {run.run_id: run for run in runs if whole or run.ended}
         if len(ended) < len(runs) or not (whole or runs):
             left.append(LeftBag(bag, _unfinished([run.run_id for run in runs if not run.ended])))
-        wanted = [run for run in ended if run.run_id >= since]
-        for run in wanted:
-            found.setdefault(run.run_id, run)
-        before = before + 1 if ended and not wanted else 0
-        if len(found) >= count or before >= count:
-            break
+        return ended
+
+    found = latest_in_bags(folder, ended_in, since, count)
     return LatestRuns(sorted(found.values(), key=lambda run: (run.time, run.run_id))[-count:], left)
 
 

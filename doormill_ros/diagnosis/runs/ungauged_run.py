@@ -11,16 +11,35 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CAMERA, CellLayout, load_layout
+from doormill_ros.cell.topic_names import (
+    ABB_STATUS,
+    CAMERA_MOVED,
+    DOOR_LOCALIZATION,
+    DOOR_RECIPE,
+    EXECUTED_PATH,
+    PATH_TARGETS,
+    RUN_RESULT,
+    SENSOR_LOCALIZATION,
+    SPINDLE_LOAD,
+    name_of,
+)
 from doormill_ros.messages.from_message import sensed_door_of
 from doormill_ros.messages.stamps import seconds_of
 from doormill_ros.recording.bag_folders import bags_in
 from doormill_ros.recording.bag_reader import read_bag, topics_of
 from doormill_ros.recording.errors import UnreadableBagError
 
-LOCALIZATION, SENSOR, MOVED = "/door/localization", "/sensors/localization", "/camera/moved"
-STATUS, TARGETS, RECIPE, RESULT = "/abb/status", "/path/targets", "/door/recipe", "/run/result"
-EXECUTED_PATH, SPINDLE_LOAD = "/simulation/executed_path", "/abb/spindle_load"
-_TOPICS = (LOCALIZATION, SENSOR, MOVED, STATUS, TARGETS, RECIPE, RESULT, EXECUTED_PATH, SPINDLE_LOAD)
+_TOPICS = (
+    DOOR_LOCALIZATION,
+    SENSOR_LOCALIZATION,
+    CAMERA_MOVED,
+    ABB_STATUS,
+    PATH_TARGETS,
+    DOOR_RECIPE,
+    RUN_RESULT,
+    EXECUTED_PATH,
+    SPINDLE_LOAD,
+)
 _BAG = "bag"
 FEWEST_LOADS = 20  #: while a spindle turns, from which on they tell its mean
 STANDING = 0.02  #: a spindle that turns takes more of its nominal power
@@ -108,12 +127,12 @@ def runs_of_bag(bag: Path, layout: CellLayout) -> Iterator[UngaugedRun]:
     Raises:
         BagError: It cannot be read.
     """
-    names = [topic for topic in topics_of(bag) if topic.endswith(_TOPICS)]
+    names = [topic for topic in topics_of(bag) if name_of(topic, _TOPICS)]
     told: dict[str, dict[str, list[Any]]] = {}
     moved: dict[float, Any] = {}
     for item in read_bag(bag, names) if names else ():
-        kind = next(end for end in _TOPICS if item.topic.endswith(end))
-        if kind == MOVED:
+        kind = name_of(item.topic, _TOPICS)
+        if kind == CAMERA_MOVED:
             moved[seconds_of(item.message.header.stamp)] = item.message.twist
         elif item.message.run_id and getattr(item.message, "accepted", True):
             told.setdefault(item.message.run_id, {}).setdefault(kind, []).append(item.message)
@@ -129,11 +148,11 @@ def runs_of_bag(bag: Path, layout: CellLayout) -> Iterator[UngaugedRun]:
 def _run(
     run_id: str, told: Mapping[str, list[Any]], moved: Mapping[float, Any], layout: CellLayout
 ) -> UngaugedRun | None:
-    if RECIPE not in told or not (LOCALIZATION in told or STATUS in told):
+    if DOOR_RECIPE not in told or not (DOOR_LOCALIZATION in told or ABB_STATUS in told):
         return None
-    recipe, pictures = told[RECIPE][-1], told.get(LOCALIZATION, [])
+    recipe, pictures = told[DOOR_RECIPE][-1], told.get(DOOR_LOCALIZATION, [])
     stamps = [seconds_of(message.header.stamp) for message in [recipe, *pictures]]
-    states = {message.state: seconds_of(message.since) for message in told.get(STATUS, [])}
+    states = {message.state: seconds_of(message.since) for message in told.get(ABB_STATUS, [])}
     milling = _between(states, "milling", "done")
     if EXECUTED_PATH in told and len(told[EXECUTED_PATH][-1].time):
         milling = float(told[EXECUTED_PATH][-1].time[-1])  # by the clock of a simulated controller
@@ -154,16 +173,16 @@ def _run(
         residuals=np.array([one.residual for one in pictures], dtype=float),
         sensors={
             one.sensor: _sensed(one, float(recipe.width), layout)
-            for one in told.get(SENSOR, [])
+            for one in told.get(SENSOR_LOCALIZATION, [])
             if one.sensor != CAMERA
         },
         marks=np.mean([[t.linear.y, t.linear.z, t.angular.x] for t in twists], axis=0) if twists else None,
-        cycle_time=float(told[TARGETS][-1].cycle_time) if TARGETS in told else float("nan"),
+        cycle_time=float(told[PATH_TARGETS][-1].cycle_time) if PATH_TARGETS in told else float("nan"),
         milling=milling,
         answer=_between(states, "ready", "acknowledged"),
         link=_between(states, "writing", "ready"),
         work=milling * cutting_load(np.array([one.load for one in told.get(SPINDLE_LOAD, [])], dtype=float)),
-        ended=RESULT in told,
+        ended=RUN_RESULT in told,
     )
 
 

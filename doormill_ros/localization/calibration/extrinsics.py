@@ -188,7 +188,7 @@ def _mounted(camera: CameraModel, T_base_camera: FloatArray) -> CameraModel:
 
 def _covariance(looked: list[SeenDoor], camera: CameraModel, known: Knowledge) -> FloatArray:
     """Of all misses: noise, the door's roughness that moves along with it, moves and reference place."""
-    focal = float(np.sqrt(camera.k[0, 0] * camera.k[1, 1]))
+    focal = camera.focal
     rows = [(i, e) for i, item in enumerate(looked) for e in item.edges]
     total = sum(len(e.rays) for _, e in rows)
     axis, along, far, noise = (np.empty(total) for _ in range(4))

@@ -149,7 +149,7 @@ class AxisVision:
         self, edges: list[tuple[AxisCamera, EdgeRays]], T_base_door: FloatArray, places: dict[str, FloatArray]
     ) -> FloatArray:
         """Of all misses, shape (n, n): roughness along each edge, noise, and each camera's place."""
-        focal = float(np.sqrt(self.lens.k[0, 0] * self.lens.k[1, 1]))
+        focal = self.lens.focal
         mounting = np.repeat([self.position_deviation, self.rotation_deviation], 3) ** 2
         total = sum(len(e.rays) for _, e in edges)
         out, begin = np.zeros((total, total)), 0

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from doormill_ros.arrays import ByteArray, FloatArray
-from doormill_ros.cell.layout import CellLayout
+from doormill_ros.cell.layout import OFFSETS, CellLayout
 from doormill_ros.frames import twist_between
 from doormill_ros.localization.camera import CameraModel
 from doormill_ros.localization.localizer import localize
@@ -19,9 +19,6 @@ from doormill_ros.localization.sensors.sensed_door import DEGREES_OF_FREEDOM
 from doormill_ros.localization.sensors.sensor import DoorSensor
 from doormill_ros.localization.settings import LocalizerSettings
 from doormill_ros.recipes.door import DoorSize
-
-#: What the localizer tells: the offsets that the clamp leaves open.
-OFFSETS = ("y", "z", "rotation")
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,8 +15,8 @@ from doormill_ros.nodes.convert.geometry import pose_messages, wrench_message
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.simulation.controller.executed_path import ExecutedPath
 from doormill_ros.simulation.errors import RunMessageError
+from doormill_ros.simulation.judge.milled_part import MilledPart
 from doormill_ros.simulation.judge.verdict import Harm, Touch, Verdict, WoodGone
-from doormill_ros.simulation.milled_part import MilledPart
 
 #: s, m, rad, N, Nm; what a cell does within a day is below, and squares of it stay far from overflow
 MOST = 1e5

@@ -15,10 +15,10 @@ from doormill_ros.recipes.errors import (
     DuplicateName,
     FieldError,
     NotExpressible,
-    UnknownFileType,
     UnreadableFile,
 )
 from doormill_ros.recipes.exchange.csv_file import RECORD, format_csv, parse_csv
+from doormill_ros.recipes.exchange.ending import ending_of
 from doormill_ros.recipes.exchange.thesis_text import decode, format_thesis_text, parse_thesis_text
 from doormill_ros.recipes.reading import located
 from doormill_ros.recipes.recipe import Recipe
@@ -40,7 +40,7 @@ def read_file(path: str | Path, look_up: LookUp | None = None) -> list[Recipe]:
         FieldError: A recipe is wrong; the message says where.
     """
     path = Path(path)
-    ending = _ending(path)
+    ending = ending_of(path, ENDINGS)
     if ending == ".xlsx":
         if not path.is_file():
             raise UnreadableFile(f"{path}: no such file")
@@ -76,7 +76,7 @@ def write_file(path: str | Path, recipes: Sequence[Recipe]) -> None:
         UnreadableFile: The file cannot be written.
     """
     path = Path(path)
-    ending = _ending(path)
+    ending = ending_of(path, ENDINGS)
     content = _sheet(recipes) if ending == ".xlsx" else _text(ending, path, recipes).encode()
     try:
         path.write_bytes(content)
@@ -116,15 +116,6 @@ def _documents(document: Any, path: Path, look_up: LookUp | None) -> list[Recipe
             where = f"{path} document {index + 1}" if len(many) > 1 else str(path)
             raise located(error, where) from error
     return recipes
-
-
-def _ending(path: Path) -> str:
-    ending = path.suffix.lower()
-    if ending not in ENDINGS:
-        raise UnknownFileType(
-            f"{path}: found the ending {ending!r}, allowed is one of {', '.join(ENDINGS)}", found=ending
-        )
-    return ending
 
 
 def _bytes(path: Path) -> bytes:

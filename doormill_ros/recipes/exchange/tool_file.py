@@ -12,8 +12,8 @@ from doormill_ros.recipes.errors import (
     MissingField,
     NotAChoice,
     UnknownField,
-    UnknownFileType,
 )
+from doormill_ros.recipes.exchange.ending import ending_of
 from doormill_ros.recipes.reading import as_mapping, located
 from doormill_ros.recipes.tabled_tool import TOOLS, TabledTool, figures_of, read_tool_table
 
@@ -31,12 +31,7 @@ def read_tool_file(path: str | Path) -> list[TabledTool]:
         FieldError: A tool is wrong; the message says where.
     """
     path = Path(path)
-    ending = path.suffix.lower()
-    if ending not in TOOL_ENDINGS:
-        raise UnknownFileType(
-            f"{path}: found the ending {ending!r}, allowed is one of {', '.join(TOOL_ENDINGS)}", found=ending
-        )
-    parse = parse_json if ending == ".json" else parse_yaml
+    parse = parse_json if ending_of(path, TOOL_ENDINGS) == ".json" else parse_yaml
     content = parse(read_text(path), str(path))
     try:
         document = as_mapping(content, "")

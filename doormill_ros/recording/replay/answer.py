@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.cell import topic_names
 from doormill_ros.cell.layout import DoorOffset
 from doormill_ros.frames import quaternion_xyzw
 from doormill_ros.localization.gige.errors import NoPictureInTime
@@ -21,22 +22,22 @@ from doormill_ros.toolpath.program import MillingProgram, Motion, Target
 
 Value = bool | int | str | float | list[float]
 
-RECIPE = "/door/recipe"
-LOCALIZATION = "/door/localization"
-SENSED = "/sensors/localization"
-TARGETS = "/path/targets"
-TARGET_FILE = "/abb/target_file"
-RESULT = "/run/result"
+RECIPE_STAGE = f"/{topic_names.DOOR_RECIPE}"
+LOCALIZATION_STAGE = f"/{topic_names.DOOR_LOCALIZATION}"
+SENSOR_STAGE = f"/{topic_names.SENSOR_LOCALIZATION}"
+TARGETS_STAGE = f"/{topic_names.PATH_TARGETS}"
+TARGET_FILE_STAGE = f"/{topic_names.ABB_TARGET_FILE}"
+RESULT_STAGE = f"/{topic_names.RUN_RESULT}"
 #: In the order in which they follow from each other: the first difference is nearest to its cause.
-STAGES = (RECIPE, LOCALIZATION, SENSED, TARGETS, TARGET_FILE, RESULT)
+STAGES = (RECIPE_STAGE, LOCALIZATION_STAGE, SENSOR_STAGE, TARGETS_STAGE, TARGET_FILE_STAGE, RESULT_STAGE)
 #: Which code makes what is on a topic.
 MAKERS = {
-    RECIPE: "the recipe database (doormill_ros/recipes)",
-    LOCALIZATION: "the localizer (doormill_ros/localization)",
-    SENSED: "the localizer or a sensor beside it (doormill_ros/localization)",
-    TARGETS: "path and correction (doormill_ros/toolpath, doormill_ros/correction)",
-    TARGET_FILE: "the RAPID writer (doormill_ros/abb/target_file)",
-    RESULT: "the run (doormill_ros/pipeline/course.py)",
+    RECIPE_STAGE: "the recipe database (doormill_ros/recipes)",
+    LOCALIZATION_STAGE: "the localizer (doormill_ros/localization)",
+    SENSOR_STAGE: "the localizer or a sensor beside it (doormill_ros/localization)",
+    TARGETS_STAGE: "path and correction (doormill_ros/toolpath, doormill_ros/correction)",
+    TARGET_FILE_STAGE: "the RAPID writer (doormill_ros/abb/target_file)",
+    RESULT_STAGE: "the run (doormill_ros/pipeline/course.py)",
 }
 SAVED = ("version", "author", "created")
 ACCEPTED: dict[str, Any] = {"accepted": True, "error_code": 0}
@@ -105,14 +106,14 @@ def kept(answer: Answer) -> Answer:
 def recipe_of(message: Any) -> Answer:
     """What a doormill_interfaces/DoorRecipe answers: of its JSON content all but who saved it when."""
     document = {k: v for k, v in json.loads(message.document).items() if k not in SAVED}
-    return Answer(RECIPE, 0, _flat({"version": int(message.version), "document": _by_index(document)}))
+    return Answer(RECIPE_STAGE, 0, _flat({"version": int(message.version), "document": _by_index(document)}))
 
 
 def localization_of(message: Any) -> Answer:
     """What a doormill_interfaces/DoorLocalization answers."""
     stamp_ns = nanoseconds_of(message.header.stamp)
     if not message.accepted:
-        return refusal(LOCALIZATION, stamp_ns, int(message.error_code), message.reason)
+        return refusal(LOCALIZATION_STAGE, stamp_ns, int(message.error_code), message.reason)
     return localization_answer(
         stamp_ns,
         transform_of(message.pose.pose),
@@ -150,7 +151,7 @@ def localization_answer(
         "residual": float(residual),
         "quality": float(quality),
     }
-    return Answer(LOCALIZATION, stamp_ns, _flat(ACCEPTED | content))
+    return Answer(LOCALIZATION_STAGE, stamp_ns, _flat(ACCEPTED | content))
 
 
 def _shared(covariance: FloatArray) -> dict[str, float]:
@@ -171,7 +172,7 @@ def sensed_of(message: Any) -> Answer:
     """What a doormill_interfaces/SensorLocalization answers."""
     stamp_ns = nanoseconds_of(message.header.stamp)
     if not message.accepted:
-        return refusal(SENSED, stamp_ns, int(message.error_code), message.reason)
+        return refusal(SENSOR_STAGE, stamp_ns, int(message.error_code), message.reason)
     return sensed_answer(stamp_ns, sensed_door_of(message))
 
 
@@ -185,14 +186,14 @@ def sensed_answer(stamp_ns: int, door: SensedDoor) -> Answer:
         "pose.pose": _pose(door.T_base_door),
         "pose.covariance": covariance,
     }
-    return Answer(SENSED, stamp_ns, _flat(ACCEPTED | content))
+    return Answer(SENSOR_STAGE, stamp_ns, _flat(ACCEPTED | content))
 
 
 def targets_of(message: Any) -> Answer:
     """What a doormill_interfaces/TargetArray answers."""
     stamp_ns = nanoseconds_of(message.header.stamp)
     if not message.accepted:
-        return refusal(TARGETS, stamp_ns, int(message.error_code), message.reason)
+        return refusal(TARGETS_STAGE, stamp_ns, int(message.error_code), message.reason)
     return targets_answer(stamp_ns, program_of(message), message.cycle_time, message.robot_model)
 
 
@@ -209,7 +210,7 @@ def targets_answer(stamp_ns: int, program: MillingProgram, cycle_time: float, ro
         "expected_error": program.expected_error,
         "cycle_time": float(cycle_time),
     }
-    return Answer(TARGETS, stamp_ns, _flat(ACCEPTED | content))
+    return Answer(TARGETS_STAGE, stamp_ns, _flat(ACCEPTED | content))
 
 
 def target_file_answer(stamp_ns: int, data: bytes, sha256: str = "", by_line: bool = True) -> Answer:
@@ -224,13 +225,13 @@ def target_file_answer(stamp_ns: int, data: bytes, sha256: str = "", by_line: bo
     lines = data.decode("ascii", errors="replace").split("\n") if data and by_line else []
     values: dict[str, Value] = {f"line {number}": line for number, line in enumerate(lines, start=1)}
     values["sha256"] = sha256 or hashlib.sha256(data).hexdigest()
-    return Answer(TARGET_FILE, stamp_ns, values)
+    return Answer(TARGET_FILE_STAGE, stamp_ns, values)
 
 
 def result_answer(success: bool, error_code: int, message: str) -> Answer:
     """How a run ended; what a success says of its timing is not compared."""
     values: dict[str, Value] = {"success": bool(success), "error_code": int(error_code)}
-    return Answer(RESULT, 0, values if success else {**values, "message": message})
+    return Answer(RESULT_STAGE, 0, values if success else {**values, "message": message})
 
 
 def _target(target: Target) -> dict[str, Any]:

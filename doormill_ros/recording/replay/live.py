@@ -11,7 +11,7 @@ from typing import Any, Protocol
 from doormill_ros.localization.errors import StalePicture
 from doormill_ros.messages.stamps import nanoseconds_of
 from doormill_ros.recording.replay.answer import (
-    SENSED,
+    SENSOR_STAGE,
     STAGES,
     Answer,
     kept,
@@ -26,7 +26,7 @@ from doormill_ros.recording.replay.recorded_run import RecordedRun
 from doormill_ros.units import ns_to_s
 
 #: What a live replay compares: of sensors beside the first one only whether they agree, by how the run ends.
-LIVE_STAGES = tuple(topic for topic in STAGES if topic != SENSED)
+LIVE_STAGES = tuple(topic for topic in STAGES if topic != SENSOR_STAGE)
 
 
 class AnsweringCell(Protocol):

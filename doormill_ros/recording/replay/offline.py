@@ -8,7 +8,7 @@ from typing import Any
 
 from doormill_ros.abb.target_file.target_file import render_target_file
 from doormill_ros.cell.layout import CAMERA, CellLayout, load_layout
-from doormill_ros.cell.two_robots import FIRST
+from doormill_ros.cell.two_robots import FIRST, SHARE_OF, robot_of
 from doormill_ros.errors import DoormillError
 from doormill_ros.localization.camera import CameraModel, load_camera
 from doormill_ros.localization.errors import LocalizationError, StalePicture
@@ -25,11 +25,11 @@ from doormill_ros.pipeline.plan import load_setup, plan
 from doormill_ros.pipeline.sense import sense
 from doormill_ros.recipes.store.database import RecipeDatabase
 from doormill_ros.recording.replay.answer import (
-    LOCALIZATION,
-    SENSED,
+    LOCALIZATION_STAGE,
+    SENSOR_STAGE,
     STAGES,
-    TARGET_FILE,
-    TARGETS,
+    TARGET_FILE_STAGE,
+    TARGETS_STAGE,
     Answer,
     kept,
     localization_answer,
@@ -44,7 +44,6 @@ from doormill_ros.recording.replay.answer import (
     targets_answer,
 )
 from doormill_ros.recording.replay.recorded_run import RecordedRun, RecordedShare
-from doormill_ros.recording.run_topics import SHARE_OF, robot_of
 from doormill_ros.toolpath.program import MillingProgram
 from doormill_ros.units import ns_to_s
 
@@ -113,7 +112,7 @@ def _localize(run: RecordedRun, recorded_ns: int, message: Any) -> Answer:
     if pictureless(message):
         return kept(localization_of(message))
     if picture is None:
-        return refusal(LOCALIZATION, stamp_ns, 0, "the bag holds no picture of this time")
+        return refusal(LOCALIZATION_STAGE, stamp_ns, 0, "the bag holds no picture of this time")
     info = run.camera_infos.get(stamp_ns)
     stale = message.error_code == StalePicture.code
     age = ns_to_s(recorded_ns - stamp_ns) - message.duration if stale else 0.0
@@ -121,7 +120,7 @@ def _localize(run: RecordedRun, recorded_ns: int, message: Any) -> Answer:
         camera = None if info is None else camera_of(info, mounted)
         found = look(picture, camera, layout, run.recipe, age=age)
     except LocalizationError as error:
-        return refusal(LOCALIZATION, stamp_ns, error.code, error.message)
+        return refusal(LOCALIZATION_STAGE, stamp_ns, error.code, error.message)
     return localization_answer(
         stamp_ns, found.T_base_door, found.offset, found.covariance, found.residual, found.quality
     )
@@ -133,7 +132,7 @@ def _of_reading(run: RecordedRun, stamp_ns: int, layout: CellLayout) -> Answer:
     try:
         found = sense(reading, _sensor(reading.sensor), run.recipe)
     except LocalizationError as error:
-        return refusal(LOCALIZATION, stamp_ns, error.code, error.message)
+        return refusal(LOCALIZATION_STAGE, stamp_ns, error.code, error.message)
     offset = layout.offset_of(found.T_base_door, run.recipe.width)
     return localization_answer(stamp_ns, found.T_base_door, offset, found.covariance, 0.0, found.quality)
 
@@ -155,9 +154,9 @@ def _sense(run: RecordedRun, message: Any) -> tuple[Answer, SensedDoor | None]:
         elif pictureless(message):
             return kept(sensed_of(message)), None
         else:
-            return refusal(SENSED, stamp_ns, 0, "the bag holds no reading of this time"), None
+            return refusal(SENSOR_STAGE, stamp_ns, 0, "the bag holds no reading of this time"), None
     except LocalizationError as error:
-        return refusal(SENSED, stamp_ns, error.code, error.message), None
+        return refusal(SENSOR_STAGE, stamp_ns, error.code, error.message), None
     return sensed_answer(stamp_ns, door), door
 
 
@@ -180,7 +179,7 @@ def _mill(run: RecordedRun, robot: str, share: RecordedShare, options: OfflineOp
     for message in share.targets:
         answer, program = _generate(run, robot, message, options)
         found.append(answer)
-        if program is not None and not any(a.topic == TARGET_FILE for a in found):
+        if program is not None and not any(a.topic == TARGET_FILE_STAGE for a in found):
             found.extend(_target_file(run, share, answer.stamp_ns, program))
     return found
 
@@ -192,13 +191,13 @@ def _generate(
     stamp_ns = nanoseconds_of(message.header.stamp)
     pose = run.poses.get(stamp_ns)
     if pose is None:
-        return refusal(TARGETS, stamp_ns, 0, "the bag holds no pose of this time"), None
+        return refusal(TARGETS_STAGE, stamp_ns, 0, "the bag holds no pose of this time"), None
     model_name = options.robot_model or message.robot_model
     try:
         setup = _setup(options.robot, model_name, SHARE_OF.get(robot, ""))
         planned = plan(recipe_of(run.recipe), transform_of(pose), setup)
     except DoormillError as error:
-        return refusal(TARGETS, stamp_ns, error.code, error.message), None
+        return refusal(TARGETS_STAGE, stamp_ns, error.code, error.message), None
     program = planned.program
     return targets_answer(stamp_ns, program, planned.time, model_name), program
 
@@ -216,11 +215,11 @@ def _target_file(
 
 def _result(run: RecordedRun, found: list[Answer], doors: list[SensedDoor]) -> Answer:
     """How the run ends by what the stages answer now."""
-    for topic in (LOCALIZATION, SENSED, TARGETS):
+    for topic in (LOCALIZATION_STAGE, SENSOR_STAGE, TARGETS_STAGE):
         refused = _refused(run, [a for a in found if a.stage == topic])
         if refused is not None:
             return result_answer(False, refused.error_code, _told(run, refused))
-        if topic == SENSED:
+        if topic == SENSOR_STAGE:
             try:
                 check_agreement(_first_told(run, doors))
             except SensorsDisagree as error:

@@ -6,6 +6,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from doormill_ros.cell.layout import CAMERA
+from doormill_ros.cell.topic_names import (
+    CAMERA_INFO,
+    COMPRESSED,
+    IMAGE,
+)
 from doormill_ros.messages.stamps import nanoseconds_of
 from doormill_ros.recording.replay.answer import (
     Answer,
@@ -16,11 +21,6 @@ from doormill_ros.recording.replay.answer import (
     sensed_of,
     target_file_answer,
     targets_of,
-)
-from doormill_ros.recording.run_topics import (
-    CAMERA_INFO,
-    COMPRESSED,
-    PICTURE,
 )
 
 
@@ -114,7 +114,7 @@ class RecordedRun:
         self.pictures[stamp_ns] = other.pictures.pop(stamp_ns)
         if stamp_ns in other.camera_infos:
             self.camera_infos[stamp_ns] = other.camera_infos.pop(stamp_ns)
-        for topic in (PICTURE, COMPRESSED, CAMERA_INFO):
+        for topic in (IMAGE, COMPRESSED, CAMERA_INFO):
             if (topic, stamp_ns) in other.serialized:
                 self.serialized[topic, stamp_ns] = other.serialized.pop((topic, stamp_ns))
 

@@ -6,15 +6,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from doormill_ros.cell.topic_names import RUN_RESULT
 from doormill_ros.recording.completeness import check_whole
 from doormill_ros.recording.errors import IncompleteBagError
-from doormill_ros.recording.replay.answer import RECIPE, Answer
+from doormill_ros.recording.replay.answer import RECIPE_STAGE, Answer
 from doormill_ros.recording.replay.compare import Difference, differences
 from doormill_ros.recording.replay.expectation import read_expectation
 from doormill_ros.recording.replay.offline import OFFLINE_STAGES, replay_offline
 from doormill_ros.recording.replay.recorded_run import RecordedRun
 from doormill_ros.recording.replay.run_reader import read_runs
-from doormill_ros.recording.run_topics import RUN_RESULT
 
 Replayer = Callable[[RecordedRun], Sequence[Answer]]
 
@@ -94,8 +94,8 @@ def replay_bag(
             continue
         recorded = run.answers()
         # The recipe is an input of the other stages: expected.yaml has nothing to say about it.
-        wanted = [a for a in recorded if a.topic == RECIPE] + [
-            a for a in written.get(run.run_id, recorded) if a.topic != RECIPE
+        wanted = [a for a in recorded if a.topic == RECIPE_STAGE] + [
+            a for a in written.get(run.run_id, recorded) if a.topic != RECIPE_STAGE
         ]
         expected = [a for a in wanted if a.stage in topics]
         found = [a for a in replayer(run) if a.stage in topics]

@@ -5,25 +5,26 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+from doormill_ros.cell.topic_names import (
+    ABB_STATUS,
+    ABB_TARGET_FILE,
+    CAMERA_INFO,
+    COMPRESSED,
+    DOOR_LOCALIZATION,
+    DOOR_POSE,
+    DOOR_RECIPE,
+    IMAGE,
+    PATH_TARGETS,
+    RUN_RESULT,
+    SENSOR_LOCALIZATION,
+    SENSOR_READING,
+    name_of,
+)
+from doormill_ros.cell.two_robots import robot_of
 from doormill_ros.messages.stamps import nanoseconds_of
 from doormill_ros.recording.bag_reader import BagMessage, read_bag
 from doormill_ros.recording.errors import EmptyBagError
 from doormill_ros.recording.replay.recorded_run import RecordedRun
-from doormill_ros.recording.run_topics import (
-    CAMERA_INFO,
-    COMPRESSED,
-    LOCALIZATION,
-    PICTURE,
-    POSE,
-    READING,
-    RECIPE,
-    RUN_RESULT,
-    SENSED,
-    STATUS,
-    TARGET_FILE,
-    TARGETS,
-    robot_of,
-)
 
 #: Pictures kept until a recipe says whose they are: a recorder that falls behind writes topics in any order.
 EARLY_PICTURES = 32
@@ -69,12 +70,12 @@ class _Collector:
     def _keep(self, run: RecordedRun, item: BagMessage) -> None:
         stamp = nanoseconds_of(item.message.header.stamp)
         if item.topic.endswith(COMPRESSED):
-            if (PICTURE, stamp) in run.serialized:
+            if (IMAGE, stamp) in run.serialized:
                 return
             run.serialized[COMPRESSED, stamp] = item.data
         else:
             run.serialized.pop((COMPRESSED, stamp), None)
-            run.serialized[PICTURE, stamp] = item.data
+            run.serialized[IMAGE, stamp] = item.data
         run.pictures[stamp] = item.message
         if self._info is not None:
             self._keep_info(run, stamp, self._info)
@@ -95,7 +96,7 @@ class _Collector:
 
     def reading(self, item: BagMessage) -> None:
         run, stamp = self._run(item.message.run_id), nanoseconds_of(item.message.header.stamp)
-        run.readings[stamp], run.serialized[READING, stamp] = item.message, item.data
+        run.readings[stamp], run.serialized[SENSOR_READING, stamp] = item.message, item.data
 
     def sensed(self, item: BagMessage) -> None:
         self._run(item.message.run_id).sensed.append(item.message)
@@ -140,29 +141,29 @@ def read_runs(bag: Path) -> list[RecordedRun]:
     """
     collector = _Collector()
     take: dict[str, Callable[[BagMessage], None]] = {
-        RECIPE: collector.recipe,
-        PICTURE: collector.picture,
+        DOOR_RECIPE: collector.recipe,
+        IMAGE: collector.picture,
         COMPRESSED: collector.picture,
         CAMERA_INFO: collector.camera_info,
-        READING: collector.reading,
-        SENSED: collector.sensed,
-        POSE: collector.pose,
-        LOCALIZATION: collector.localization,
-        TARGETS: collector.targets,
-        TARGET_FILE: collector.target_file,
+        SENSOR_READING: collector.reading,
+        SENSOR_LOCALIZATION: collector.sensed,
+        DOOR_POSE: collector.pose,
+        DOOR_LOCALIZATION: collector.localization,
+        PATH_TARGETS: collector.targets,
+        ABB_TARGET_FILE: collector.target_file,
         RUN_RESULT: collector.result,
-        STATUS: collector.status,
+        ABB_STATUS: collector.status,
     }
 
-    def kind(topic: str) -> str | None:
-        return next((name for name in take if topic.endswith("/" + name)), None)
+    def kind(topic: str) -> str:
+        return name_of(topic, take)
 
     for item in read_bag(bag, kind):
-        take[str(kind(item.topic))](item)
+        take[kind(item.topic)](item)
     runs = [run for run in collector.runs.values() if run.recipe is not None or run.result is not None]
     if not runs:
         raise EmptyBagError(
-            f"bag {bag} holds no run (topics {RECIPE} and {RUN_RESULT} are empty); record a whole run",
+            f"bag {bag} holds no run (topics {DOOR_RECIPE} and {RUN_RESULT} are empty); record a whole run",
             bag=str(bag),
         )
     return runs

@@ -16,12 +16,12 @@ from doormill_ros.simulation.judge.bodies import Body, Box, JudgedCell
 from doormill_ros.simulation.judge.links import BASE, FLANGE
 from doormill_ros.simulation.judge.manner import bad_cuts
 from doormill_ros.simulation.judge.mill import TOLERANCE, judge_mill
+from doormill_ros.simulation.judge.mills import mill_radius, mill_there
 from doormill_ros.simulation.judge.rack import first_tool, in_rack
 from doormill_ros.simulation.judge.shapes import cylinder_gap
 from doormill_ros.simulation.judge.sweep import Meeting, Sweep
 from doormill_ros.simulation.judge.verdict import Touch, Verdict
 from doormill_ros.simulation.judge.wood import Cuts, Pocket, still_there
-from doormill_ros.simulation.mills import mill_radius, mill_there
 
 FILL = 12  #: points along each edge of what a body shares with the door
 DOOR, MILL = "door", "mill"

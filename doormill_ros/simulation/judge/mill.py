@@ -14,11 +14,11 @@ from doormill_ros.simulation.controller.executed_path import ExecutedPath
 from doormill_ros.simulation.judge.bodies import JudgedCell
 from doormill_ros.simulation.judge.exits import torn_out
 from doormill_ros.simulation.judge.links import FLANGE
+from doormill_ros.simulation.judge.mills import mill_radius, mill_there
 from doormill_ros.simulation.judge.shapes import cylinder_gap
 from doormill_ros.simulation.judge.sweep import LEVER, Sweep, between
 from doormill_ros.simulation.judge.verdict import TornOut, Touch, WoodGone
 from doormill_ros.simulation.judge.wood import Cuts, Pocket, below_surface, still_there
-from doormill_ros.simulation.mills import mill_radius, mill_there
 
 TOLERANCE = 0.5e-3  #: how far beside a feature wood may be gone, section 1.3 of the thesis [m]
 POINTS = 4_000_000  #: points of the door looked at, which sets their distance

@@ -1,7 +1,7 @@
 """A gauge on a milled door: at which depth along the normal of each nominal point the wood begins.
 
-Written apart from `simulation/milled_part.py`, which takes the distance to the tool's way: here the wall is where the
-furthest of all discs of the tool ends along the normal, and a floor is the deepest tip above its point.
+Written apart from `simulation/judge/milled_part.py`, which takes the distance to the tool's way: here the wall is where
+the furthest of all discs of the tool ends along the normal, and a floor is the deepest tip above its point.
 """
 
 from __future__ import annotations

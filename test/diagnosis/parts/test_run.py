@@ -14,7 +14,7 @@ from doormill_ros.recording.replay.run_reader import read_runs
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot_model.extended_model import load_compliance_model
 from doormill_ros.simulation.controller.executed_path import ExecutedPath
-from doormill_ros.simulation.milled_part import inspect
+from doormill_ros.simulation.judge.milled_part import inspect
 from doormill_ros.simulation.truth.robot import TruthRobot
 from doormill_ros.tools.diagnose import main
 from support.real_bags import as_real

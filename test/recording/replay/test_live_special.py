@@ -7,7 +7,13 @@ import math
 from doormill_ros.cell.errors import RunCanceledError, StageTimeoutError
 from doormill_ros.localization.errors import StalePicture
 from doormill_ros.nodes.live_replay import LiveOptions, repeats_the_end, replay_live
-from doormill_ros.recording.replay.answer import LOCALIZATION, RECIPE, RESULT, TARGET_FILE, TARGETS
+from doormill_ros.recording.replay.answer import (
+    LOCALIZATION_STAGE,
+    RECIPE_STAGE,
+    RESULT_STAGE,
+    TARGET_FILE_STAGE,
+    TARGETS_STAGE,
+)
 from doormill_ros.recording.replay.offline import replay_offline
 from doormill_ros.recording.replay.recorded_run import RecordedRun
 from doormill_ros.recording.replay.run_reader import read_runs
@@ -30,11 +36,11 @@ def test_a_stale_picture_is_stale_again() -> None:
     run.result.error_code = StageTimeoutError.code
     live = {a.topic: a for a in replay_live(run, FAST)}
     offline = {a.topic: a for a in replay_offline(run)}
-    assert live.keys() == {RECIPE, LOCALIZATION, RESULT}
-    for found in (live[LOCALIZATION], offline[LOCALIZATION]):
+    assert live.keys() == {RECIPE_STAGE, LOCALIZATION_STAGE, RESULT_STAGE}
+    for found in (live[LOCALIZATION_STAGE], offline[LOCALIZATION_STAGE]):
         assert found.values["error_code"] == StalePicture.code
         assert "30" in found.values["reason"]
-    assert live[RESULT].not_compared
+    assert live[RESULT_STAGE].not_compared
 
 
 def test_a_canceled_run_is_repeated_as_far_as_it_goes() -> None:
@@ -42,7 +48,13 @@ def test_a_canceled_run_is_repeated_as_far_as_it_goes() -> None:
     run.result.success, run.result.error_code = False, RunCanceledError.code
     assert not repeats_the_end(run)
     found = replay_live(run, FAST)
-    assert [a.topic for a in found] == [RECIPE, LOCALIZATION, TARGETS, TARGET_FILE, RESULT]
+    assert [a.topic for a in found] == [
+        RECIPE_STAGE,
+        LOCALIZATION_STAGE,
+        TARGETS_STAGE,
+        TARGET_FILE_STAGE,
+        RESULT_STAGE,
+    ]
     assert [bool(a.not_compared) for a in found] == [False, False, False, False, True]
     assert str(RunCanceledError.code) in found[-1].not_compared
 
@@ -50,4 +62,4 @@ def test_a_canceled_run_is_repeated_as_far_as_it_goes() -> None:
 def test_a_recording_that_stopped_before_the_end_has_no_result() -> None:
     run = recorded("thesis_190_0deg")
     run.result = None
-    assert [a.topic for a in replay_live(run, FAST)] == [RECIPE, LOCALIZATION, TARGETS]
+    assert [a.topic for a in replay_live(run, FAST)] == [RECIPE_STAGE, LOCALIZATION_STAGE, TARGETS_STAGE]

@@ -9,7 +9,12 @@ from mcap.reader import make_reader
 from rosbags.rosbag2 import Reader
 
 from bags.timeline import Scenario, load_timeline, violations
-from doormill_ros.recording.replay.answer import LOCALIZATION, RESULT, TARGET_FILE, TARGETS
+from doormill_ros.recording.replay.answer import (
+    LOCALIZATION_STAGE,
+    RESULT_STAGE,
+    TARGET_FILE_STAGE,
+    TARGETS_STAGE,
+)
 from doormill_ros.recording.replay.replay import replay_bag
 from support.source_tree import ROOT
 
@@ -36,10 +41,10 @@ def expected_answers(scenario: Scenario) -> dict[str, int]:
     """How many answers a replay must have compared, from the timeline alone."""
     messages = scenario.messages
     wanted = {
-        LOCALIZATION: messages["door/localization"],
-        TARGETS: messages["path/targets"],
-        TARGET_FILE: messages["abb/target_file"],
-        RESULT: messages["run/result"] if ended_by_a_stage(scenario) else 0,
+        LOCALIZATION_STAGE: messages["door/localization"],
+        TARGETS_STAGE: messages["path/targets"],
+        TARGET_FILE_STAGE: messages["abb/target_file"],
+        RESULT_STAGE: messages["run/result"] if ended_by_a_stage(scenario) else 0,
     }
     return {topic: count for topic, count in wanted.items() if count}
 

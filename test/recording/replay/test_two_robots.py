@@ -12,10 +12,10 @@ from std_msgs.msg import String
 
 from doormill_interfaces.msg import RunResult, TargetArray
 from doormill_ros.abb.target_file.target_file import render_target_file
+from doormill_ros.cell.two_robots import SHARE_OF, in_robot, robot_of
 from doormill_ros.messages.from_message import recipe_of, transform_of
 from doormill_ros.nodes.convert.program import program_into
 from doormill_ros.nodes.live_replay import LiveOptions, replay_live
-from doormill_ros.nodes.robots import in_robot
 from doormill_ros.pipeline.plan import load_setup, plan
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.recording.bag_writer import BagWriter
@@ -25,7 +25,6 @@ from doormill_ros.recording.replay.offline import replay_offline
 from doormill_ros.recording.replay.recorded_run import RecordedRun
 from doormill_ros.recording.replay.replay import replay_bag
 from doormill_ros.recording.replay.run_reader import read_runs
-from doormill_ros.recording.run_topics import SHARE_OF, robot_of
 from support.source_tree import ROOT
 
 SOURCE = ROOT / "bags" / "standard_door"

@@ -13,7 +13,7 @@ from doormill_ros.simulation.controller.cell import DOOR_CLAMPED
 from doormill_ros.simulation.controller.process import module_process
 from doormill_ros.simulation.judge.bodies import load_cell
 from doormill_ros.simulation.judge.judge import judge
-from doormill_ros.simulation.milled_part import inspect
+from doormill_ros.simulation.judge.milled_part import inspect
 from doormill_ros.toolpath.program import RACK_KINDS, MotionKind
 from support.judged_doors import rigid
 from support.two_tools import two_tool_door

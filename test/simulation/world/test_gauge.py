@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from doormill_ros.frames import inverse, transform
-from doormill_ros.simulation.milled_part import inspect
+from doormill_ros.simulation.judge.milled_part import inspect
 from doormill_ros.simulation.world.gauge import NOISE, gauge
 
 

@@ -5,13 +5,13 @@ A carrier times a shape of a driver is a term of a law: "spring of joint 2" time
 
 from __future__ import annotations
 
+from doormill_ros.frames import WRENCH_COMPONENTS
 from doormill_ros.robot_model.elastic.law import chain, parts
 from doormill_ros.robot_model.elastic.law.cracks import OPENING
 from doormill_ros.robot_model.elastic.law.parts import Motion
 from doormill_ros.robot_model.law.parts import Carrier, number_of
 
 _XYZ = "xyz"
-_CHANNELS = ("fx", "fy", "fz", "mx", "my", "mz")
 
 #: Carriers by what they act on, as in diagnosis.json.
 CARRIERS: dict[str, Carrier[Motion]] = {
@@ -45,11 +45,11 @@ CARRIERS: dict[str, Carrier[Motion]] = {
     "torque bias": Carrier(chain.bias((3, 4, 5)), "N m", 5.0, "reads a torque too small", False, 3),
     "sensor gain": Carrier(chain.gain, "1", 0.05, "reads too small a share", False),
     **{
-        f"crosstalk {_CHANNELS[of]} into {_CHANNELS[into]}": Carrier(
+        f"crosstalk {WRENCH_COMPONENTS[of]} into {WRENCH_COMPONENTS[into]}": Carrier(
             chain.crosstalk(of, into),
             "1" if of // 3 == into // 3 else ("m" if into >= 3 else "1 / m"),
             {(0, 0): 0.05, (1, 1): 0.05, (0, 1): 0.02, (1, 0): 0.1}[of // 3, into // 3],
-            f"reads too little {_CHANNELS[into]} by a share of {_CHANNELS[of]}",
+            f"reads too little {WRENCH_COMPONENTS[into]} by a share of {WRENCH_COMPONENTS[of]}",
             False,
         )
         for of in range(6)

@@ -12,6 +12,8 @@ from doormill_ros.robot_model.pose.causes.hints import Hints
 from doormill_ros.robot_model.pose.chain import direction
 from doormill_ros.robot_model.pose.view import SetView
 
+MARGIN = 20  #: rows at either end in which no step is looked for
+
 
 class SessionStep(PoseCause):
     """Displacement of the robot's base from one row of a series on."""
@@ -50,22 +52,19 @@ class SessionStep(PoseCause):
         return f"from row {self.row} on the residual of all poses has jumped together"
 
 
-def find_step(
-    error: FloatArray, scale: FloatArray, weight: FloatArray, margin: int = 20
-) -> tuple[int, float]:
+def find_step(error: FloatArray, scale: FloatArray, weight: FloatArray) -> tuple[int, float]:
     """Where a constant shift of the base explains most, and by how much.
 
     Args:
         error: Residuals in the axes of the base, shape (n, 6).
         scale: One over their standard deviations, shape (6,).
         weight: Of the rows, shape (n,).
-        margin: Rows at either end in which no step is looked for.
 
     Returns:
         Index of the first row after the step, and the fall of the sum of squares.
     """
     n = len(error)
-    if n < 2 * margin + 2:
+    if n < 2 * MARGIN + 2:
         return 0, 0.0
     y = error[:, :3] * scale[:3]
     w = weight[:, None]
@@ -74,6 +73,6 @@ def find_step(
     mean = before / np.maximum(count, 1e-9)
     rest = (total - before) / np.maximum(everything - count, 1e-9)
     fall = np.sum((mean - rest) ** 2, axis=1) * (count * (everything - count) / everything)[:, 0]
-    inside = slice(margin - 1, n - margin - 1)
-    best = int(np.argmax(fall[inside])) + margin - 1
+    inside = slice(MARGIN - 1, n - MARGIN - 1)
+    best = int(np.argmax(fall[inside])) + MARGIN - 1
     return best + 1, float(fall[best])

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-
 import cv2
 import numpy as np
 
@@ -12,11 +9,6 @@ from doormill_ros.arrays import ByteArray
 
 LONGEST_SIDE = 1280  # pixels
 MEDIA_TYPE = "image/jpeg"
-#: What a picture shows, by the key of the page's texts behind "caption.".
-CAPTIONS = {
-    "refused": "Refused picture of door {door}",
-    "found": "Door {door}: picture of {time} with the edges as they were found",
-}
 #: With colours at full resolution: an overlay's lines are one pixel wide and would turn grey.
 _OPTIONS = [
     cv2.IMWRITE_JPEG_QUALITY,
@@ -24,21 +16,6 @@ _OPTIONS = [
     cv2.IMWRITE_JPEG_SAMPLING_FACTOR,
     cv2.IMWRITE_JPEG_SAMPLING_FACTOR_444,
 ]
-
-
-@dataclass(frozen=True)
-class EncodedPicture:
-    """An encoded picture and what it shows; `number` grows with every new one.
-
-    `key` and `values` are those of the caption in the page's texts; an empty key: it has none there.
-    """
-
-    data: bytes
-    media_type: str
-    caption: str
-    number: int
-    key: str = ""
-    values: Mapping[str, str] = field(default_factory=dict)
 
 
 def encode_picture(picture: ByteArray) -> bytes:

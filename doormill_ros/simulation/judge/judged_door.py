@@ -11,9 +11,9 @@ from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.simulation.controller.executed_path import ExecutedPath
 from doormill_ros.simulation.judge.bodies import JudgedCell
 from doormill_ros.simulation.judge.judge import judge
+from doormill_ros.simulation.judge.milled_part import MilledPart, inspect
 from doormill_ros.simulation.judge.pair import Milled, judge_pair
 from doormill_ros.simulation.judge.verdict import Verdict
-from doormill_ros.simulation.milled_part import MilledPart, inspect
 
 
 @dataclass(frozen=True, eq=False)

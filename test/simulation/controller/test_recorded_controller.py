@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from doormill_ros.abb import signals
 from doormill_ros.simulation.controller.io_port import FolderIo
-from doormill_ros.simulation.recorded_controller import (
+from doormill_ros.simulation.controller.recorded_controller import (
     RecordedController,
     RecordedEvent,
     controller_events,
