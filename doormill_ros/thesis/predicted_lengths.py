@@ -9,7 +9,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot.kinematics import Kinematics
-from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
+from doormill_ros.robot_model.elastic.causes.cause import DIRECTION, OWN_TORQUE, ElasticCause
 from doormill_ros.robot_model.elastic.load_case import LoadCase, build_load_case
 from doormill_ros.thesis.loading_tests import ThesisData, ThesisTest
 
@@ -72,11 +72,7 @@ def predicted_lengths(
             twist = twist + cause.twist(case, theta)[0]
         if test.joint == 4:
             angle = case.torque[0, 3] / case.joint_stiffness[3]
-            if (
-                cause is not None
-                and cause.where == "joint 4"
-                and cause.name in ("joint_stiffness", "joint_friction")
-            ):
+            if cause is not None and cause.where == "joint 4" and cause.driver in (OWN_TORQUE, DIRECTION):
                 unit = case.joint_twist(3)[0]
                 angle += float(cause.twist(case, theta)[0] @ unit / (unit @ unit))
             lengths.append(abs(angle) * test.extra["radius"])

@@ -136,7 +136,7 @@ def test_no_text_is_missing_in_a_language(code: str) -> None:
 
 
 def places() -> set[str]:
-    library = {where for _, wheres, _ in (*LIBRARY, *CUTTING) for where in wheres or ()}
+    library = {where for kind in (*LIBRARY, *CUTTING) for where in kind.places or ()}
     found = library | {effect.where for effect in named_effects()} | set(FEATURES)
     found -= set(MILLS)  # Their names are the owner's, and no language has words for them.
     return {re.sub(r"^(joint|link) \d+$", r"\1", where) for where in found}
@@ -144,7 +144,7 @@ def places() -> set[str]:
 
 @pytest.mark.parametrize("code", LANGUAGES)
 def test_every_cause_of_the_registries_has_a_name_and_every_place(code: str) -> None:
-    causes = {kind.name for kind, _, _ in (*LIBRARY, *CUTTING)} | {effect.name for effect in named_effects()}
+    causes = {kind.name for kind in (*LIBRARY, *CUTTING)} | {effect.name for effect in named_effects()}
     assert len(causes) > 20
     wanted = {f"cause.{name}" for name in causes} | {f"place.{where}" for where in places()}
     assert wanted <= set(TEXTS[code])

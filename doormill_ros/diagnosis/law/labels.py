@@ -16,8 +16,6 @@ from doormill_ros.arrays import IntArray
 from doormill_ros.robot_model.candidate import Case
 from doormill_ros.robot_model.law.term import Term
 
-#: Shapes that cannot bend after every posture: level, straight line, one step.
-_STIFF = ("level", "slope", "rise", "line", "past")
 #: Of the variance of a shape over all rows, the share that has to lie within postures. Times of two visits each, at
 #: random, have a half.
 _WITHIN = 0.25
@@ -33,7 +31,7 @@ def numbers_postures(term: Term[Case], case: Case, configuration: IntArray) -> b
         case: The data.
         configuration: Posture of each row, shape (n,).
     """
-    if term.drives.of_path or term.shape in _STIFF:
+    if term.drives.of_path or term.follows.stiff:
         return False
     columns = term.followed(case)
     each, counts = np.unique(configuration, return_inverse=True, return_counts=True)[1:]

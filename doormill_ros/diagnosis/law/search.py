@@ -103,7 +103,7 @@ class LawSearch(BeamSearch[C], Generic[C]):
         return super().total(found) + sum(map(self._choice, found.members))
 
     def _choice(self, term: C) -> float:
-        curve = isinstance(term, Term) and term.shape == "curve"
+        curve = isinstance(term, Term) and not term.follows.closed
         return 2.0 * float(np.log(max(self._alike[term.key], 1))) + _CURVE * curve
 
     @cached_property
@@ -191,7 +191,7 @@ def _ended(best: Fit[C]) -> Fit[C]:
 
     Beyond what was seen they would no longer cancel. A level has no end, and what repeats itself was seen whole.
     """
-    bends = [term for term in best.members if isinstance(term, Term) and term.shape != "level"]
+    bends = [term for term in best.members if isinstance(term, Term) and not term.follows.constant]
     together = Counter((term.where, term.acts_on, term.driver) for term in bends)
     members = tuple(
         term.ended()

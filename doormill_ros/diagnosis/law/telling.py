@@ -9,7 +9,8 @@ from doormill_ros.diagnosis.core.wording import spoken
 from doormill_ros.robot_model.candidate import Candidate
 from doormill_ros.robot_model.law.term import Term
 
-_TESTS = {
+#: What would tell what a law is, by what drives it.
+TESTS = {
     "own angle": "load this joint alike at ten angles a few degrees apart: waves of a gear come back with its teeth, "
     "a cable or a counterweight does not",
     "angle of joint k": "keep all joints but that one, load alike at six of its angles: a cable or a parallel arm "
@@ -31,12 +32,15 @@ _TESTS = {
     "reflector only is its seat",
     "path": "come to one posture on three ways",
 }
+#: The same of a driver that has no test of its own.
+_ANY = "change the {} alone and keep all else as it was: only what hangs on it follows"
 
 
 def test_of(driver: str) -> str:
     """What would tell what a law is, by what drives it."""
     kind, _, joint = driver.partition(" of joint ")
-    return _TESTS[f"{kind} of joint k" if joint else kind].replace("that one", f"joint {joint}")
+    test = TESTS.get(f"{kind} of joint k" if joint else kind)
+    return _ANY.format(driver) if test is None else test.replace("that one", f"joint {joint}")
 
 
 def law_in_words(term: Candidate[Any], weights: FloatArray) -> str:

@@ -15,8 +15,7 @@ from doormill_ros.diagnosis.law.labels import not_tried, without_labels
 from doormill_ros.diagnosis.law.search import LawSearch
 from doormill_ros.diagnosis.loading.law_place import place_of
 from doormill_ros.diagnosis.loading.problem import LoadingDiagnosis
-from doormill_ros.robot_model.elastic.causes.cause import ElasticCause, index
-from doormill_ros.robot_model.elastic.causes.joint_cross_compliance import JointCrossCompliance
+from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
 from doormill_ros.robot_model.elastic.causes.registry import candidates
 from doormill_ros.robot_model.elastic.law.dictionary import dictionary
 from doormill_ros.robot_model.extended_model import SizedCause
@@ -59,16 +58,8 @@ def _mean_parts(diagnosis: LoadingDiagnosis, found: Characterised[ElasticCause])
     return [
         cause
         for cause in diagnosis.examination.named
-        if not cause.kinked and (place_of(cause).where in places or not places.isdisjoint(_links_at(cause)))
+        if not cause.kinked and (place_of(cause).where in places or not places.isdisjoint(cause.also_at))
     ]
-
-
-def _links_at(cause: ElasticCause) -> set[str]:
-    """The links that end in a bearing which tilts."""
-    if not isinstance(cause, JointCrossCompliance):
-        return set()
-    before = index(cause.where)
-    return {f"link {before}", f"link {before + 1}"}
 
 
 def sized_laws(diagnosis: LoadingDiagnosis) -> list[SizedCause]:

@@ -13,30 +13,13 @@ from doormill_ros.diagnosis.core.ranking import first_largest, ranked
 from doormill_ros.diagnosis.loading.possible_trials import LOAD_NAMES, chosen_of, possible_trials
 from doormill_ros.diagnosis.loading.problem import LoadingDiagnosis, LoadingProblem
 from doormill_ros.measurements.trials import Trials
-from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
+from doormill_ros.robot_model.elastic.causes.cause import ALONE, ElasticCause
 from doormill_ros.units import m_to_um, rad_to_deg
 
 PROPOSALS = 6  #: trials that are proposed
 #: Log odds of all proposed trials below which they are none: forty times as many would not decide
 HOPELESS = 0.1
 DECIDED = 4.6  #: log odds at which two models count as told apart: 100 to 1
-
-
-#: What shows a cause without any loading of the robot.
-_DIRECT = {
-    "wrench_gain": "hang a known mass on the force sensor",
-    "wrench_frame_rotation": "hang a known mass on the force sensor and turn the flange",
-    "tracker_scale": "measure a scale bar of known length with the tracker",
-    "tracker_frame_rotation": "measure three fixed points of the robot's base with the tracker",
-    "thermal_drift": "measure a fixed point again and again without any load",
-    "reflector_position": "turn the last joints and measure where the reflector sits",
-    "joint_offset": "calibrate the zero positions of the joints",
-    "base_compliance": "put reflectors on the foot of the robot",
-    "joint_cross_compliance": "put reflectors on both sides of the joint's bearing",
-    "link_bending": "put reflectors on both ends of the link",
-    "tool_compliance": "put one reflector on the flange and one on the tool",
-}
-_OTHER = "load the joint alone, with small and large weights and from both sides"
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +72,7 @@ def plan_next(diagnosis: LoadingDiagnosis, seed: int = 0) -> NextMeasurement:
     pair = _closest(diagnosis)
     if pair is None:
         return NextMeasurement("", "", (), 0.0, "Nothing is in doubt: no further trial is needed.", None)
-    favourite, rival, names = pair
+    favourite, rival, names = pair.favourite, pair.rival, pair.names
     decided = rival.held_out_score > favourite.held_out_score + 3.0 * EQUAL
     pool, loads = possible_trials(diagnosis.problem.data, seed)
     finite = diagnosis.problem.finite
@@ -112,7 +95,7 @@ def plan_next(diagnosis: LoadingDiagnosis, seed: int = 0) -> NextMeasurement:
         )
     odds = float(sum(gains))
     if odds < HOPELESS:
-        return NextMeasurement(*names, (), odds, _hopeless(names), None)
+        return NextMeasurement(*names, (), odds, _hopeless(pair), None)
     return NextMeasurement(
         *names, tuple(trials), odds, _sentence(names, trials, odds, decided), chosen_of(pool, chosen)
     )
@@ -128,12 +111,25 @@ class _Forecast:
     value: FloatArray
 
 
-def _closest(
-    diagnosis: LoadingDiagnosis,
-) -> tuple[Fit[ElasticCause], Fit[ElasticCause], tuple[str, str]] | None:
+@dataclass(frozen=True, eq=False)
+class _Pair:
+    """Two models, what tells them from each other in words, and what shows that without any loading."""
+
+    favourite: Fit[ElasticCause]
+    rival: Fit[ElasticCause]
+    names: tuple[str, str]
+    direct: tuple[str, str]
+
+    @property
+    def behind(self) -> float:
+        """By how much the rival's score is larger."""
+        return self.rival.held_out_score - self.favourite.held_out_score
+
+
+def _closest(diagnosis: LoadingDiagnosis) -> _Pair | None:
     """The pair of models whose difference matters most for the verdict."""
     search, best = diagnosis.search, diagnosis.best
-    options: list[tuple[float, Fit[ElasticCause], Fit[ElasticCause], tuple[str, str]]] = []
+    options: list[_Pair] = []
     for finding in diagnosis.findings:
         for other, found in search.rivals(best, finding.cause):
             nested = other.where == finding.cause.where and finding.cause.name in (
@@ -142,16 +138,25 @@ def _closest(
             )
             if nested and other not in finding.confusable:
                 continue
-            options.append(
-                (found.held_out_score - best.held_out_score, best, found, (repr(finding.cause), repr(other)))
-            )
+            names = (repr(finding.cause), repr(other))
+            options.append(_Pair(best, found, names, _direct(finding.cause, other)))
     if not options:
         for next_best in search.ranked(f for f in search.fits.values() if f is not best)[:1]:
-            options.append((search.total(next_best), best, next_best, (_title(best), _title(next_best))))
+            names = (_title(best), _title(next_best))
+            options.append(_Pair(best, next_best, names, _direct(_first(best), _first(next_best))))
     if not options:
         return None
-    closest = ranked(options, lambda option: option[0], lambda option: search.order(option[2]))[0]
-    return closest[1:]
+    return ranked(options, lambda pair: pair.behind, lambda pair: search.order(pair.rival))[0]
+
+
+def _direct(one: ElasticCause | None, other: ElasticCause | None) -> tuple[str, str]:
+    """What shows each of two causes without any loading of the robot."""
+    first, second = ((cause.direct if cause is not None else "") or ALONE for cause in (one, other))
+    return first, second
+
+
+def _first(found: Fit[ElasticCause]) -> ElasticCause | None:
+    return found.members[0] if found.members else None
 
 
 def _title(found: Fit[ElasticCause]) -> str:
@@ -194,12 +199,11 @@ def _choose(mine: _Forecast, other: _Forecast) -> tuple[list[int], list[float]]:
     return chosen, gains
 
 
-def _hopeless(names: tuple[str, str]) -> str:
+def _hopeless(pair: _Pair) -> str:
     """That no loading of this kind helps, and what would."""
-    helps = dict.fromkeys(_DIRECT.get(name.split(" at ")[0], _OTHER) for name in names)
     return (
-        f"No loading of this kind tells {names[0]} from {names[1]}: wherever the robot stands and however loaded, "
-        f"both predict the same. What would help: {', or '.join(helps)}."
+        f"No loading of this kind tells {pair.names[0]} from {pair.names[1]}: wherever the robot stands and however "
+        f"loaded, both predict the same. What would help: {', or '.join(dict.fromkeys(pair.direct))}."
     )
 
 

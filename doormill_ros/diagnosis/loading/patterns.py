@@ -13,7 +13,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.candidate import Candidate
-from doormill_ros.robot_model.elastic.causes.cause import LinearTwist
+from doormill_ros.robot_model.elastic.causes.cause import JOINTS, ElasticCause, LinearTwist
 from doormill_ros.robot_model.elastic.law.memory import let_through
 from doormill_ros.robot_model.elastic.law.parts import Motion, mount, shifted, torsion, yielding
 from doormill_ros.robot_model.elastic.load_case import LoadCase
@@ -54,8 +54,8 @@ class Pattern(LinearTwist):
             return False
         if self.where == other.where:
             return True
-        everywhere = other.name in ("wrench_gain", "tracker_scale")
-        return everywhere or (self.where == "cell" and other.name.startswith("joint_"))
+        everywhere = isinstance(other, ElasticCause) and other.scales_all
+        return everywhere or (self.where == "cell" and other.where in JOINTS)
 
     def unit(self, case: LoadCase) -> FloatArray:
         """The pattern."""

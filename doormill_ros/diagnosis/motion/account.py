@@ -17,7 +17,6 @@ from doormill_ros.diagnosis.motion.laws import model_with_laws
 from doormill_ros.diagnosis.motion.model import JointFit, coefficients, stiffness_of
 from doormill_ros.diagnosis.motion.noise import mean_square_of, no_slips
 from doormill_ros.measurements.motion_set import MotionSet
-from doormill_ros.robot_model.motion.causes.joint_stiffness import MotionStiffness
 from doormill_ros.robot_model.motion.causes.time_skew import TimeSkew
 from doormill_ros.robot_model.motion.model import JointModel
 from doormill_ros.statistics import bootstrap_ratio
@@ -99,7 +98,7 @@ def _named(
         for double in finding.doubles[index]:
             doubles.setdefault(double.cause.key, double)
     rest = [cause for i, cause in enumerate(extended.members) if i not in indices]
-    delay = finding.search.delay if isinstance(first, TimeSkew) else extended.delay
+    delay = finding.search.delay_without(extended.delay, first)
     without = problem.rmse(problem.settled(rest, delay).held_out)
     own = problem.rmse(extended.held_out)
     return NamedCause(
@@ -117,11 +116,11 @@ def _parameters(told: JointFit, index: int, given: float) -> Figures:
     """Values of a member with standard deviations from the scatter of the blocks; `given` is the spring [N m / rad]."""
     cause = told.members[index]
     x = coefficients(told, index).copy()
-    if isinstance(cause, TimeSkew):
+    if cause.of_delay:
         x = x + told.delay
     spread = _spread(told, index)
     stiffness = stiffness_of(told.members, told.x, given)
-    at = told.of(MotionStiffness)
+    at = told.spring
     stiffness_std = 0.0 if at is None else stiffness**2 * float(told.std[at][0])
     found: Figures = {}
     now = cause.values(x, stiffness)
@@ -133,7 +132,7 @@ def _parameters(told: JointFit, index: int, given: float) -> Figures:
             variance += (cause.values(moved, stiffness)[name][0] - value) ** 2
         variance += (cause.values(x, stiffness + stiffness_std)[name][0] - value) ** 2
         found[name] = {"value": value, "std": float(np.sqrt(variance)), "unit": unit}
-        found[name] |= {key: cause.settings[key] for key in ("width",) if key in cause.settings}
+        found[name] |= {key: cause.settings[key] for key in cause.told_settings}
     return found
 
 

@@ -21,10 +21,9 @@ from doormill_ros.diagnosis.motion.patterns import unnamed_patterns
 from doormill_ros.diagnosis.motion.problem import JointProblem
 from doormill_ros.diagnosis.motion.remainder import beside_laws
 from doormill_ros.diagnosis.motion.search import JointSearch
-from doormill_ros.diagnosis.motion.skew import common_skew, own_skews
+from doormill_ros.diagnosis.motion.skew import common_skew, own_skews, without_delays
 from doormill_ros.measurements.motion_set import MotionSet
 from doormill_ros.robot_model.motion.causes.cause import MotionCause
-from doormill_ros.robot_model.motion.causes.joint_damping import JointDamping
 from doormill_ros.robot_model.motion.causes.time_skew import TimeSkew
 from doormill_ros.robot_model.motion.law.term import MotionTerm
 from doormill_ros.robot_model.motion.model import MotionModel
@@ -98,7 +97,7 @@ class MotionQuestion(Question[MotionCause, MotionFit]):
         )
         self._searches = [JointSearch(*one, skew, False, progress) for one in every]
         again = [
-            search.run([search.fit(_without_speed(fit))])
+            search.run([search.fit(without_delays(fit))])
             for search, fit in zip(self._searches, fits, strict=True)
         ]
         return MotionFit(tuple(again), skew, std)
@@ -241,11 +240,6 @@ def diagnose_motions(
 
 def _asked_skew(problem: JointProblem, fit: JointFit) -> tuple[float, float]:
     """Skew of a joint whose model holds none, and its standard deviation [s]."""
-    found = problem.settled((*_without_speed(fit), TimeSkew(problem.where)), fit.delay)
+    found = problem.settled((*without_delays(fit), TimeSkew(problem.where)), fit.delay)
     index = len(found.members) - 1
     return found.late, float(found.std[index][0])
-
-
-def _without_speed(fit: JointFit) -> list[MotionCause]:
-    """Members of a fit that neither a common skew nor what it leaves can stand for."""
-    return [cause for cause in fit.members if not isinstance(cause, TimeSkew | JointDamping)]

@@ -12,13 +12,10 @@ from doormill_ros.diagnosis.core.verdict import AT_NOISE
 from doormill_ros.diagnosis.motion.model import JointFit
 from doormill_ros.diagnosis.motion.patterns import MotionPattern
 from doormill_ros.diagnosis.motion.problem import JointProblem
-from doormill_ros.diagnosis.motion.search import CLEAR, ENTRY, EQUAL, JointSearch, slow
-from doormill_ros.robot_model.motion.causes.cause import MotionCause
-from doormill_ros.robot_model.motion.causes.joint_damping import JointDamping
-from doormill_ros.robot_model.motion.causes.time_skew import TimeSkew
+from doormill_ros.diagnosis.motion.search import CLEAR, ENTRY, EQUAL, JointSearch
+from doormill_ros.diagnosis.motion.skew import alike
+from doormill_ros.robot_model.motion.causes.cause import TORQUE, MotionCause
 
-#: Drivers of patterns that follow the joint's own torque.
-OWN_TORQUE = ("own torque", "torque sign")
 #: Share of the excess over the noise that a joint's causes explain together to be named where something remains.
 JOINT_PART = 0.8
 
@@ -75,7 +72,7 @@ class JointExaminer(Examiner[MotionCause, JointFit]):
         for other, fit in self.models.rivals(best, cause):
             if not isinstance(other, MotionPattern):
                 continue
-            least = -EQUAL if slow(cause) and other.driver in OWN_TORQUE else ENTRY
+            least = -EQUAL if cause.slow and other.driver in TORQUE else ENTRY
             if self.models.gain(best, fit).score > least:
                 return other
         return None
@@ -126,14 +123,8 @@ class JointExaminer(Examiner[MotionCause, JointFit]):
             behind = self.behind(asked, fit)
             if other.named and other.key != cause.key and behind < EQUAL:
                 found.setdefault(other.key, Double(other, max(behind, 0.0), model=fit))
-        # A lone encoder that is read early is like damping but for the acceleration's share, which no recording shows.
-        alike: MotionCause | None = None
-        if isinstance(cause, JointDamping):
-            alike = TimeSkew(cause.where)
-        elif isinstance(cause, TimeSkew) and asked.late < 0.0:
-            alike = JointDamping(cause.where)
-        if alike is not None:
-            found.setdefault(alike.key, Double(alike, 0.0))
+        if (same := alike(cause, asked.late)) is not None:
+            found.setdefault(same.key, Double(same, 0.0))
         return tuple(found.values())
 
 

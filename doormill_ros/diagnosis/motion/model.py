@@ -9,8 +9,6 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.motion.causes.cause import MotionCause
-from doormill_ros.robot_model.motion.causes.joint_stiffness import MotionStiffness
-from doormill_ros.robot_model.motion.causes.time_skew import TimeSkew
 from doormill_ros.robot_model.motion.model import JointModel
 from doormill_ros.robot_model.motion.view import JointMotion
 
@@ -47,8 +45,18 @@ class JointFit:
     @property
     def late(self) -> float:
         """By how much the link encoder is late, negative where it is early [s]."""
-        index = self.of(TimeSkew)
+        index = self.skew
         return self.delay + (0.0 if index is None else float(self.x[index][0]))
+
+    @property
+    def skew(self) -> int | None:
+        """Index of the member that tells what is missing of the delay, if there is one."""
+        return next((i for i, cause in enumerate(self.members) if cause.of_delay), None)
+
+    @property
+    def spring(self) -> int | None:
+        """Index of the member that tells the compliance of the spring, if there is one."""
+        return next((i for i, cause in enumerate(self.members) if cause.of_spring), None)
 
     def of(self, kind: type[MotionCause]) -> int | None:
         """Index of the member of a kind, if there is one."""
@@ -58,7 +66,7 @@ class JointFit:
 def stiffness_of(members: Sequence[MotionCause], x: Sequence[FloatArray], given: float) -> float:
     """Stiffness of the joint [N m / rad] by members with coefficients x, shape (k,) each; `given` without any."""
     for cause, part in zip(members, x, strict=True):
-        if isinstance(cause, MotionStiffness):
+        if cause.of_spring:
             return 1.0 / max(1.0 / given + float(part[0]), 1e-12)
     return given
 
@@ -72,7 +80,7 @@ def coefficients(found: JointFit, index: int) -> FloatArray:
 
 def model_of(found: JointFit, motion: JointMotion) -> JointModel:
     """The model that a fit leaves for the joint of a recording."""
-    kept = [i for i, cause in enumerate(found.members) if not isinstance(cause, TimeSkew)]
+    kept = [i for i, cause in enumerate(found.members) if not cause.of_delay]
     return JointModel(
         motion.joint,
         motion.stiffness,

@@ -6,7 +6,7 @@ in one place. Beside a remainder that no law explains nothing of that kind can b
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -18,14 +18,9 @@ from doormill_ros.diagnosis.core.verdict import AT_NOISE
 from doormill_ros.diagnosis.law.linear import LinearProblem
 from doormill_ros.diagnosis.law.remainder import Searched, searched_once
 from doormill_ros.diagnosis.motion.examination import JointFinding
-from doormill_ros.diagnosis.motion.patterns import FOLLOWING
 from doormill_ros.diagnosis.motion.remainder import Companies, beside_laws, remainder
 from doormill_ros.diagnosis.motion.search import CLEAR, WORTH
-from doormill_ros.robot_model.motion.causes.cause import MotionCause
-from doormill_ros.robot_model.motion.causes.joint_damping import JointDamping
-from doormill_ros.robot_model.motion.causes.joint_friction import MotionFriction
-from doormill_ros.robot_model.motion.causes.joint_stiffness import MotionStiffness
-from doormill_ros.robot_model.motion.causes.time_skew import TimeSkew
+from doormill_ros.robot_model.motion.causes.cause import SPRING, MotionCause
 from doormill_ros.robot_model.motion.law.dictionary import dictionary
 from doormill_ros.robot_model.motion.law.term import MotionTerm
 
@@ -34,14 +29,7 @@ OTHER_LAW = "what follows the same driver beside it says that its law is another
 NEEDLESS = "a law without a name does as well without it"
 GONE = "beside a law without a name no such size is left of it"
 #: What a spring or a gap acts on in the words of laws, and a damper.
-_ACTS_ON = ("spring", "joint angle")
-#: What causes act on in the words of laws, as these begin: a friction that varies is a friction still.
-_OWN: Mapping[type[MotionCause], str] = {
-    MotionStiffness: "spring",
-    MotionFriction: "friction",
-    TimeSkew: "delay",
-    JointDamping: "delay",
-}
+_ACTS_ON = (SPRING, "joint angle")
 #: Share of a cause's effect that one other term follows to be the same in other words, too.
 _SAME = 0.95
 
@@ -91,7 +79,7 @@ def size_gone(finding: JointFinding, found: Searched) -> MotionCause | None:
 def _same_law(term: MotionTerm, cause: MotionCause) -> bool:
     """Whether a term says of a cause that its law is another."""
     driver = term.driver.partition(" (")[0]
-    return term.acts_on in _ACTS_ON and isinstance(cause, FOLLOWING.get(driver, ()))
+    return term.acts_on in _ACTS_ON and driver in cause.follows
 
 
 def _explains(finding: JointFinding, model: Fit[MotionTerm]) -> bool:
@@ -111,13 +99,14 @@ def _behind(
     """By how much the score is larger of the best laws without a cause; infinite where these explain little."""
     extended = finding.extended
     rest = [other for other in extended.members if other is not cause]
-    delay = finding.search.delay if isinstance(cause, TimeSkew) else extended.delay
+    delay = finding.search.delay_without(extended.delay, cause)
     rows = finding.problem.counted(extended.delay)
     problem, base = remainder(finding.problem, rest, delay, companies, rows)
     terms = [
         term
         for term in not_the_same(finding, problem, [cause], dictionary(problem.case))
-        if not term.acts_on.startswith(_OWN.get(type(cause), "nothing"))
+        # A friction that varies is a friction still.
+        if not (cause.acts_on and term.acts_on.startswith(cause.acts_on))
     ]
     problem = problem.coarser(float(found.problem.sigma[0] / problem.sigma[0]))
     progress(f"{cause!r} against laws alone")
@@ -152,7 +141,7 @@ def _effect(finding: JointFinding, cause: MotionCause) -> FloatArray:
     index = extended.members.index(cause)
     shared, own = finding.problem.columns_of(cause, extended.delay)
     # A skew is about the delay at which the joint is seen: its own number is next to nothing.
-    x = np.ones(1) if isinstance(cause, TimeSkew) else extended.x[index]
+    x = np.ones(1) if cause.of_delay else extended.x[index]
     parts = zip(shared, own, extended.own[index], strict=True)
     return np.concatenate([one @ x + mine @ y for one, mine, y in parts])
 

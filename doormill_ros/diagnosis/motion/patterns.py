@@ -2,24 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.motion.causes.cause import MotionCause
-from doormill_ros.robot_model.motion.causes.joint_backlash import JointBacklash
-from doormill_ros.robot_model.motion.causes.joint_damping import JointDamping
-from doormill_ros.robot_model.motion.causes.joint_stiffness import MotionStiffness
 from doormill_ros.robot_model.motion.view import JointMotion, SeenMotion
 
 _BOTH_WAYS = 0.01  #: share of the samples with the rarer sign from which on both are seen
-#: Causes that are one law of a driver: where something else follows that too, the law is another.
-FOLLOWING: Mapping[str, tuple[type[MotionCause], ...]] = {
-    "own torque": (MotionStiffness, JointBacklash),
-    "torque sign": (MotionStiffness, JointBacklash),
-    "speed": (JointDamping,),
-}
 
 
 class MotionPattern(MotionCause):
@@ -62,7 +53,7 @@ class MotionPattern(MotionCause):
 
     def spoils(self, cause: MotionCause) -> bool:
         """Whether it shapes the same thing as a cause: one law of the torque, or of the speed."""
-        return isinstance(cause, FOLLOWING.get(self.driver, ()))
+        return self.driver in cause.follows
 
     def __repr__(self) -> str:
         return f"what follows {self.spoken} at {self.where}"

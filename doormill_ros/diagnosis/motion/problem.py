@@ -14,7 +14,6 @@ from doormill_ros.diagnosis.core.held_out import left_out, scatter_of
 from doormill_ros.diagnosis.motion.model import JointFit, model_of, stiffness_of
 from doormill_ros.diagnosis.motion.noise import chance_of, mean_square_of, no_slips, noise_floor
 from doormill_ros.robot_model.motion.causes.cause import MotionCause
-from doormill_ros.robot_model.motion.causes.time_skew import TimeSkew
 from doormill_ros.robot_model.motion.view import JointMotion, SeenMotion
 
 EXTREME = 30.0  #: times the stiffness of the model in question, or that share of it, is no spring
@@ -227,7 +226,7 @@ class JointProblem:
         """The fit about the delay that it finds itself."""
         found = self.fit(members, delay)
         for _ in range(4):
-            index = found.of(TimeSkew)
+            index = found.skew
             if index is None or abs(float(found.x[index][0])) < _SETTLED:
                 break
             found = self.fit(members, round(found.delay + float(found.x[index][0]), 8))

@@ -15,9 +15,8 @@ from doormill_ros.diagnosis.motion.model import JointFit
 from doormill_ros.diagnosis.motion.orders import wave_candidates
 from doormill_ros.diagnosis.motion.problem import JointProblem
 from doormill_ros.robot_model.motion.causes.cause import MotionCause
-from doormill_ros.robot_model.motion.causes.joint_periodic_error import FINE, MotionPeriodicError
+from doormill_ros.robot_model.motion.causes.joint_periodic_error import MotionPeriodicError
 from doormill_ros.robot_model.motion.causes.registry import candidates
-from doormill_ros.robot_model.motion.causes.time_skew import TimeSkew
 
 #: Fall of the held-out error, in squares of what one independent sample is off by, that a cause has to bring, and what
 #: each of its numbers costs on top. Chance brings it once in ten thousand shapes.
@@ -53,13 +52,8 @@ class Gain:
 
     def enough(self, cause: MotionCause) -> bool:
         """Whether it is more than chance, and matters, for a cause that one model has before the other."""
-        entry, sure = (SLOW_ENTRY, SLOW_SURE) if slow(cause) else (ENTRY, SURE)
+        entry, sure = (SLOW_ENTRY, SLOW_SURE) if cause.slow else (ENTRY, SURE)
         return self.score > entry and self.sure > sure and self.share > WORTH
-
-
-def slow(cause: MotionCause) -> bool:
-    """Whether a cause is one of the slowest waves."""
-    return isinstance(cause, MotionPeriodicError) and cause.angle == "joint" and cause.order < FINE
 
 
 class JointSearch(Search[MotionCause, JointFit]):
@@ -91,7 +85,7 @@ class JointSearch(Search[MotionCause, JointFit]):
         ] = {}
         library = candidates(problem.where, problem.seen(delay))
         self.candidates: list[MotionCause] = [
-            *(cause for cause in library if skewed or not isinstance(cause, TimeSkew)),
+            *(cause for cause in library if skewed or not cause.of_delay),
             *patterns,
         ]
 
@@ -107,7 +101,7 @@ class JointSearch(Search[MotionCause, JointFit]):
 
     def starts(self) -> list[JointFit]:
         """The model in question; what is not late at first sight may be so beside something else."""
-        skew = next((cause for cause in self.candidates if isinstance(cause, TimeSkew)), None)
+        skew = next((cause for cause in self.candidates if cause.of_delay), None)
         return [self.fit(()), *([] if skew is None else [self.fit((skew,))])]
 
     def fit(self, members: Sequence[MotionCause]) -> JointFit:
@@ -208,8 +202,11 @@ class JointSearch(Search[MotionCause, JointFit]):
     def without(self, model: JointFit, *causes: MotionCause) -> JointFit:
         """The same model less some members."""
         rest = tuple(other for other in model.members if all(other is not cause for cause in causes))
-        late = any(isinstance(cause, TimeSkew) for cause in causes)
-        return self.problem.settled(rest, self.delay if late else model.delay)
+        return self.problem.settled(rest, self.delay_without(model.delay, *causes))
+
+    def delay_without(self, delay: float, *causes: MotionCause) -> float:
+        """At which a model sees the joint less some members, where it is a delay with them [s]."""
+        return self.delay if any(cause.of_delay for cause in causes) else delay
 
     def useless(
         self, model: JointFit, asked: Sequence[MotionCause], strictly: bool
@@ -233,7 +230,7 @@ class JointSearch(Search[MotionCause, JointFit]):
     def strength(self, found: JointFit, cause: MotionCause) -> float:
         """Least size of a member's coefficients in their standard deviations, by the scatter of the blocks."""
         index = found.members.index(cause)
-        if isinstance(cause, TimeSkew):
+        if cause.of_delay:
             return _strength(found.x[index] + found.delay - self.delay, found.std[index])
         pairs = [
             (found.x[index], found.std[index]),

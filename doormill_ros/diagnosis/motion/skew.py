@@ -7,11 +7,27 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from doormill_ros.diagnosis.motion.model import JointFit
+from doormill_ros.robot_model.motion.causes.cause import DELAY, MotionCause
 from doormill_ros.robot_model.motion.causes.joint_damping import JointDamping
 from doormill_ros.robot_model.motion.causes.time_skew import TimeSkew
 
 #: Delays are alike that differ by no more than so many standard deviations, or by this share.
 _ALIKE, _SHARE = 4.0, 0.05
+
+
+def alike(cause: MotionCause, late: float) -> MotionCause | None:
+    """What no recording tells from a cause of a joint that is seen so late [s]: an early encoder looks like damping.
+
+    They differ by the acceleration's share alone, which no recording shows.
+    """
+    if isinstance(cause, JointDamping):
+        return TimeSkew(cause.where)
+    return JointDamping(cause.where) if isinstance(cause, TimeSkew) and late < 0.0 else None
+
+
+def without_delays(fit: JointFit) -> list[MotionCause]:
+    """Members of a fit that neither a common skew nor what it leaves can stand for."""
+    return [cause for cause in fit.members if cause.acts_on != DELAY]
 
 
 def own_skews(fits: Sequence[JointFit]) -> dict[int, tuple[float, float]]:

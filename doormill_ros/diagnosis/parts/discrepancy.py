@@ -24,7 +24,7 @@ from doormill_ros.diagnosis.parts.effects.geometry import LinkOffsets
 from doormill_ros.diagnosis.parts.gauged_door import GaugedDoor
 from doormill_ros.diagnosis.parts.moved import by_load
 from doormill_ros.frames import inverse
-from doormill_ros.robot_model.elastic.causes.registry import JOINTS
+from doormill_ros.robot_model.elastic.causes.cause import JOINTS
 
 _SAME = 1e-3  #: points of a recipe's surface nearer than this are one [m]
 

@@ -11,17 +11,11 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.core.account import NamedCause
 from doormill_ros.diagnosis.core.wording import spoken
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
-from doormill_ros.diagnosis.pose.laws import CLEAR, numbers_told
+from doormill_ros.diagnosis.pose.laws import numbers_told
 from doormill_ros.diagnosis.pose.model import distinct_share, rmse
 from doormill_ros.diagnosis.pose.problem import PoseProblem
 from doormill_ros.diagnosis.pose.selection import NOT_CARRIED, ONE_SERIES, Score
 from doormill_ros.measurements.pose_set import PoseSet, placement_owners
-from doormill_ros.robot_model.pose.causes.joint_backlash import PoseBacklash
-from doormill_ros.robot_model.pose.causes.joint_sag import JointSag
-from doormill_ros.robot_model.pose.causes.joint_waves import JointWaves
-from doormill_ros.robot_model.pose.causes.session_step import SessionStep
-from doormill_ros.robot_model.pose.causes.tracker_scale import PoseTrackerScale
-from doormill_ros.units import share_to_ppm
 
 #: Why a cause that helps on blocks left out is not one of the robot.
 WITHIN = (ONE_SERIES, NOT_CARRIED)
@@ -70,30 +64,16 @@ def causes_of(diagnosis: PoseDiagnosis) -> list[NamedCause]:
     return found
 
 
-def sides_of_gaps(causes: Sequence[NamedCause]) -> list[str]:
-    """On every joint that has one, to which side it opens: the gap itself is a size."""
-    said = {
-        "short": "stops half its gap short of the recorded angle, as play behind the encoder does.",
-        "beyond": "goes half its gap beyond the recorded angle, which play behind the encoder does not do.",
-    }
-    return [
-        f"{one.where.capitalize()} {said[one.parameters['gap']['side']]}"
-        for one in causes
-        if one.cause == PoseBacklash.name
-    ]
+def doubts(diagnosis: PoseDiagnosis, told: Sequence[NamedCause]) -> list[str]:
+    """What else established causes may be, as sentences."""
+    pairs = zip(diagnosis.established, told, strict=False)  # gross errors follow
+    return [line for score, one in pairs if (line := score.cause.doubt(one.parameters))]
 
 
-def scale_of_all(causes: Sequence[NamedCause]) -> list[str]:
-    """What one share may be, by which all lengths are off."""
-    return [
-        "One share explains what otherwise lengths of several links would: all lengths are seen "
-        f"{share_to_ppm(one.parameters['factor']['value'] - 1.0):+.0f} ppm off (standard deviation "
-        f"{share_to_ppm(one.parameters['factor']['std']):.0f} ppm). The tracker's scale does that, and so does a "
-        "robot that is warmer or colder than its drawing; poses do not tell them apart. Measure a scale bar of known "
-        "length with the tracker."
-        for one in causes
-        if one.cause == PoseTrackerScale.name
-    ]
+def meanings(diagnosis: PoseDiagnosis, told: Sequence[NamedCause]) -> list[str]:
+    """What numbers of established causes mean, as sentences."""
+    pairs = zip(diagnosis.established, told, strict=False)
+    return [line for score, one in pairs if (line := score.cause.meaning(one.parameters))]
 
 
 def parameters_of(told: PoseProblem, deviation: FloatArray, score: Score) -> dict[str, dict[str, Any]]:
@@ -104,70 +84,9 @@ def parameters_of(told: PoseProblem, deviation: FloatArray, score: Score) -> dic
         deviation: Standard deviation of every coefficient, shape (m,).
         score: Of the cause.
     """
-    layout = told.layout
-    index = layout.causes.index(score.cause)
-    value, std = told.x[layout.part(index)], deviation[layout.part(index)]
-    coefficients = score.cause.coefficients
-    named: dict[str, dict[str, Any]] = {
-        c.name: {"value": float(v), "std": float(s), "unit": c.unit}
-        for c, v, s in zip(coefficients, value, std, strict=True)
-    }
-    if isinstance(score.cause, SessionStep):
-        data = next(d for d in told.sets if score.cause.where == f"set {d.name}")
-        at = int(np.searchsorted(data.row, score.cause.row))
-        series = next(i for i, d in enumerate(told.sets) if d is data)
-        R_tracker_base = told.placements[series].T_tracker_base[:3, :3]
-        steps: dict[str, dict[str, Any]] = {}
-        for name, axes in (("step", slice(0, 3)), ("turn", slice(3, 6))):
-            steps[name] = {
-                "value": [float(v) for v in R_tracker_base @ value[axes]],
-                "std": [float(v) for v in np.sqrt(R_tracker_base**2 @ std[axes] ** 2)],
-                "unit": coefficients[axes.start].unit,
-                "axes": "tracker",
-            }
-        steps["row"] = {"value": score.cause.row, "std": 1.0, "unit": "-"}
-        if np.isfinite(data.time[at]):
-            steps["time"] = {
-                "value": float(data.time[at]),
-                "std": float(data.time[at] - data.time[at - 1]),
-                "unit": "s",
-            }
-        return steps
-    if isinstance(score.cause, PoseBacklash):
-        gap = named["gap"]
-        return {"gap": {**gap, "value": abs(gap["value"]), "side": PoseBacklash.side(gap["value"])}}
-    if isinstance(score.cause, PoseTrackerScale):
-        return {name: {**one, "value": 1.0 + one["value"]} for name, one in named.items()}
-    if isinstance(score.cause, JointSag) and score.cause.frames:
-        # Most moments of a real arm are next to nothing.
-        return {name: one for name, one in named.items() if abs(one["value"]) > CLEAR * one["std"]}
-    if isinstance(score.cause, JointWaves):
-        return _amplitudes(named, [c.name for c in coefficients], score.cause.orders)
-    return named
-
-
-def _amplitudes(
-    named: dict[str, dict[str, Any]], names: list[str], orders: tuple[int, ...]
-) -> dict[str, dict[str, Any]]:
-    found = {}
-    for prefix in dict.fromkeys(
-        name.rsplit("_", 2)[0] + "_" if name.count("_") > 1 else "" for name in names
-    ):
-        for order in orders:
-            c, s = named[f"{prefix}cos_{order}"], named[f"{prefix}sin_{order}"]
-            size = float(np.hypot(c["value"], s["value"]))
-            std = float(np.hypot(c["value"] * c["std"], s["value"] * s["std"]) / max(size, 1e-30))
-            if size > CLEAR * std:
-                found[f"{prefix}order_{order}"] = {
-                    "value": size,
-                    "std": std,
-                    "unit": "rad",
-                    "cos": c["value"],
-                    "sin": s["value"],
-                    "cos_std": c["std"],
-                    "sin_std": s["std"],
-                }
-    return found
+    part = told.layout.part(told.layout.causes.index(score.cause))
+    seen = list(zip(told.views, told.placements, strict=True))
+    return score.cause.reported(told.x[part], deviation[part], seen)
 
 
 def rejected_entry(score: Score) -> dict[str, Any]:

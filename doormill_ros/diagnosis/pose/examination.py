@@ -16,7 +16,6 @@ from doormill_ros.diagnosis.pose.search import PoseSearch
 from doormill_ros.diagnosis.pose.selection import SURE
 from doormill_ros.diagnosis.pose.validation import Validation
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
-from doormill_ros.robot_model.pose.causes.tracker_scale import PoseTrackerScale
 
 
 class PoseExaminer(Examiner[PoseCause, SeriesFit]):
@@ -78,7 +77,7 @@ class PoseExaminer(Examiner[PoseCause, SeriesFit]):
         """Causes of the same fit whose effects overlap; of a scale, the geometry of links that would tell the same."""
         layout = asked.problem.layout
         own = layout.part(layout.causes.index(cause))
-        instead = self.models.instead if isinstance(cause, PoseTrackerScale) else []
+        instead = self.models.instead if cause.for_lengths else []
         leaning: list[Double[PoseCause, SeriesFit]] = [
             Double(other)
             for index, other in enumerate(layout.causes)

@@ -15,11 +15,11 @@ from doormill_ros.diagnosis.law.page import TITLE, lead, picture, sentence
 from doormill_ros.diagnosis.pose.causes import (
     WITHIN,
     causes_of,
+    doubts,
     indistinguishable,
+    meanings,
     not_determined,
     rejected_entry,
-    scale_of_all,
-    sides_of_gaps,
 )
 from doormill_ros.diagnosis.pose.certainty import certainty_section
 from doormill_ros.diagnosis.pose.check import check_set
@@ -119,9 +119,9 @@ class Poses(Kind[PoseSet, PoseDiagnosis]):
             ],
             remarks=[
                 *standing_remarks(standing),
-                *scale_of_all(causes),
+                *doubts(diagnosis, causes),
                 *_remarks(diagnosis),
-                *sides_of_gaps(causes),
+                *meanings(diagnosis, causes),
             ],
             next_measurement=plan_next(diagnosis, poses),
             checks=checks,

@@ -23,9 +23,7 @@ from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
 from doormill_ros.diagnosis.pose.fit import BLOCKS
 from doormill_ros.diagnosis.pose.noise import common_noise, evening
 from doormill_ros.diagnosis.pose.problem import PoseProblem
-from doormill_ros.robot_model.pose.causes.cause import PoseCause
-from doormill_ros.robot_model.pose.causes.joint_periodic_error import JointPeriodicError
-from doormill_ros.robot_model.pose.causes.joint_sag import JointSag
+from doormill_ros.robot_model.pose.causes.cause import CLEAR, PoseCause
 from doormill_ros.robot_model.pose.chain import Placement, derivatives
 from doormill_ros.robot_model.pose.law.dictionary import dictionary
 from doormill_ros.robot_model.pose.law.term import PoseTerm, Sight
@@ -37,8 +35,6 @@ GONE = "beside a law without a name no such size is left of it"
 SHARED = (
     "a law elsewhere follows the angle of this joint, and with one here as well nothing calls for the name"
 )
-#: Standard deviations from which on a number is told, and a cause of which none is has no size.
-CLEAR = 2.0
 #: Of the residual, up to which one explanation predicts as well as another.
 SAME = 1.01
 #: Poses that are searched, at most.
@@ -94,27 +90,18 @@ def _gone(diagnosis: PoseDiagnosis) -> list[PoseCause]:
     beside, std = numbers_told(diagnosis)
     named = diagnosis.examination.named
     parts = [(cause, beside.x[part], std[part]) for cause, part in diagnosis.extended.parts if cause in named]
-    return [
-        cause
-        for cause, x, own in parts
-        if not np.any(np.abs(x) > CLEAR * own)
-        or (isinstance(cause, JointSag) and not cause.frames and x[0] < 0.0)
-    ]
+    return [cause for cause, x, own in parts if not np.any(np.abs(x) > CLEAR * own) or cause.impossible(x)]
 
 
 def _shared(diagnosis: PoseDiagnosis, found: Characterised[PoseTerm]) -> list[PoseCause]:
-    """Named periodic errors of joints whose angle also drives a law elsewhere, where more than noise remains.
+    """Named causes whose driver also drives a law elsewhere, where more than noise remains.
 
     Turns of two parallel joints by one angle are a displacement nearly: together they may stand for a third thing.
     """
     if found.holdout_rmse <= AT_NOISE * diagnosis.noise_floor:
         return []
     driving = {law.driver for law in found.laws}
-    return [
-        cause
-        for cause in diagnosis.examination.named
-        if isinstance(cause, JointPeriodicError) and f"angle of {cause.where}" in driving
-    ]
+    return [cause for cause in diagnosis.examination.named if cause.driver_elsewhere in driving]
 
 
 def numbers_told(diagnosis: PoseDiagnosis) -> tuple[PoseProblem, FloatArray]:

@@ -11,7 +11,6 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
 from doormill_ros.diagnosis.pose.laws import numbers_told
 from doormill_ros.pages.charts import BLUE, GREEN, GREY, HALF, RED, WIDE, BarRow, Curve, bars, scatter
-from doormill_ros.robot_model.pose.causes.joint_periodic_error import JointPeriodicError
 from doormill_ros.robot_model.pose.chain import derivatives, joint_turn
 from doormill_ros.units import m_to_mm, m_to_um, rad_to_deg
 
@@ -59,7 +58,7 @@ def joint_curves(diagnosis: PoseDiagnosis) -> list[str]:
     own = {
         cause.where: (cause, part)
         for cause, part in diagnosis.extended.parts
-        if isinstance(cause, JointPeriodicError)
+        if cause.spectrum(problem.x[part]) is not None
     }
     if not own:
         return []
@@ -102,10 +101,9 @@ def spectra(diagnosis: PoseDiagnosis) -> list[str]:
     charts = []
     told, _ = numbers_told(diagnosis)
     for cause, part in diagnosis.extended.parts:
-        if isinstance(cause, JointPeriodicError):
-            pairs = told.x[part].reshape(-1, 2)
-            x, y = np.array(cause.orders, dtype=float), m_to_um(np.hypot(pairs[:, 0], pairs[:, 1]))
-            charts.append(scatter(cause.where, "order", "amplitude [urad]", [Curve("", BLUE, x, y)]))
+        if (found := cause.spectrum(told.x[part])) is not None:
+            line = Curve("", BLUE, found[0], m_to_um(found[1]))
+            charts.append(scatter(cause.where, "order", "amplitude [urad]", [line]))
     return charts
 
 

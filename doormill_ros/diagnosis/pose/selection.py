@@ -19,8 +19,6 @@ SURE, WORTH = 3.0, 25.0
 #: ... and by this share of what all causes together leave: beside much that has no name, little is believed.
 SHARE = 7e-3
 
-#: Causes that are nobody's habit.
-GEOMETRY = ("link_geometry", "tracker_scale")
 REAL = "real"
 NO_GAIN = "does not help on blocks left out"
 ONE_SERIES = "helps within one series only"
@@ -130,7 +128,7 @@ def _status(score: Score, worth: float, sigma: FloatArray) -> str:
         return ONE_SERIES
     # A series at angles that no other visited may lose by it; where most lose, it is the others' habit. One series
     # alone teaches too little to judge by that, and the lengths and angles of a link are nobody's habit.
-    if len(score.transfer) < 3 or score.cause.name in GEOMETRY:
+    if len(score.transfer) < 3 or score.cause.drawn_wrong:
         return REAL
     harmed = score.transfer.sum() < 0.0 and 2 * np.sum(score.transfer < 0.0) > len(score.transfer)
     return NOT_CARRIED if harmed else REAL

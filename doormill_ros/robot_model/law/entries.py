@@ -7,13 +7,10 @@ from typing import TypeVar
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.candidate import Case
 from doormill_ros.robot_model.law.parts import number_of
+from doormill_ros.robot_model.law.shapes import SHAPES
 from doormill_ros.robot_model.law.term import Term, seen_in
-
-KNOTS = 5  #: of a curve
-_SECTOR = 0.2  #: half of a sector, over the range that a driver had
 
 #: Shapes with their rough numbers, in parts of how a driver was spread in the test.
 Shapes = Sequence[tuple[str, float]]
@@ -60,31 +57,11 @@ def _terms(
     values = values[np.isfinite(values)]
     if not len(values):
         return
-    numbers = [(shape, numbers_of(shape, part, values)) for shape, part in shapes]
-    knots = np.quantile(values, np.linspace(0.0, 1.0, KNOTS))
+    numbers = [(shape, SHAPES[shape].numbers(part, values)) for shape, part in shapes]
+    knots = SHAPES["curve"].numbers(1.0, values)
     if curve and np.diff(knots).min() > 0.02 * np.ptp(values):
-        numbers.append(("curve", tuple(map(float, knots))))
+        numbers.append(("curve", knots))
     for shape, own in numbers:
         seen = seen_in(values, shape, own)
         if seen is not None:
             yield kind(where, acts_on, driver, shape, own, seen)
-
-
-def numbers_of(shape: str, part: float, values: FloatArray) -> tuple[float, ...]:
-    """The own numbers of a shape for a driver that took some values, shape (n,)."""
-    largest = max(float(np.abs(values).max()), 1e-9)
-    if shape in ("level", "slope", "positive", "negative", "sign"):
-        return ()
-    if shape == "sector":
-        return (_SECTOR * float(np.ptp(values)), float(values.min() + part * np.ptp(values)))
-    if shape == "waves":
-        return (float(part),)
-    if shape in ("rise", "line"):
-        return (float((1.0 - part) * values.min() + part * values.max()),)
-    if shape.startswith("logarithm"):
-        return (max(float(values.min()), 0.002 * largest),)
-    if shape in ("beyond", "opening"):
-        return (part * largest, largest)
-    if shape == "past":
-        return (float(np.quantile(np.abs(values), part)),)
-    return (float(part * largest),)

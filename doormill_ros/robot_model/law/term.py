@@ -11,7 +11,7 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.candidate import Candidate, Case, CauseParameter
 from doormill_ros.robot_model.law.parts import Carrier, Drivers
-from doormill_ros.robot_model.law.shapes import SHAPES, columns, refined
+from doormill_ros.robot_model.law.shapes import SHAPES, columns
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class SeenRange:
 def seen_in(values: FloatArray, shape: str, numbers: tuple[float, ...]) -> SeenRange | None:
     """What a test has seen of a driver, values of shape (n,); None where it never changed (but for a level)."""
     values = values[np.isfinite(values)]
-    if not len(values) or (shape != "level" and np.ptp(values) < 1e-9):
+    if not len(values) or (not SHAPES[shape].constant and np.ptp(values) < 1e-9):
         return None
     usual = columns(shape, values, numbers).mean(axis=0)
     return SeenRange(float(values.min()), float(values.max()), tuple(map(float, usual)))
@@ -52,6 +52,7 @@ class Term(Candidate[Case]):
         drivers: Of the kind.
         carrier: What `acts_on` does.
         drives: What `driver` is.
+        follows: What `shape` is.
     """
 
     named = False
@@ -69,6 +70,7 @@ class Term(Candidate[Case]):
         super().__init__(where)
         self.acts_on, self.driver, self.shape, self.numbers, self.seen = acts_on, driver, shape, numbers, seen
         self.carrier, self.drives = self.carriers[acts_on], self.drivers.driver(driver)
+        self.follows = SHAPES[shape]
         self.of_robot = self.carrier.of_robot
         self.name = f"{acts_on} by {driver}: {shape}"
         self.variant = ", ".join(f"{value:.4g}" for value in numbers)
@@ -81,13 +83,13 @@ class Term(Candidate[Case]):
 
     def _reach(self) -> float:
         """How far the law goes on beyond what was seen where it stands alone."""
-        width, shape = self.seen.high - self.seen.low, SHAPES[self.shape]
-        return np.inf if width >= 0.5 * shape.period(self.numbers) else shape.reach * width
+        width = self.seen.high - self.seen.low
+        return np.inf if width >= 0.5 * self.follows.period(self.numbers) else self.follows.reach * width
 
     @property
     def repeats(self) -> bool:
         """Whether a whole period of it was seen."""
-        return self.seen.high - self.seen.low >= SHAPES[self.shape].period(self.numbers)
+        return self.seen.high - self.seen.low >= self.follows.period(self.numbers)
 
     def ended(self) -> Self:
         """The same, not believed beyond what was seen."""
@@ -120,7 +122,7 @@ class Term(Candidate[Case]):
     def neighbours(self, case: Case) -> list[Self]:
         """The same term with own numbers a little smaller and larger, where these were a rough choice."""
         values, found = self.values_of(case, self.where, self.driver), []
-        for numbers in refined(self.shape, self.numbers):
+        for numbers in self.follows.refined(self.numbers):
             seen = seen_in(values, self.shape, numbers)
             if seen is not None:
                 found.append(type(self)(self.where, self.acts_on, self.driver, self.shape, numbers, seen))
@@ -138,7 +140,7 @@ class Term(Candidate[Case]):
         texts = [f"{value:+.3g} {unit}" for value in rows[0]]
         if len(rows) > 1:
             texts = [f"({', '.join(f'{value:+.3g}' for value in column)}) {unit}" for column in rows.T]
-        law = SHAPES[self.shape].told(self.driver, self.drives.unit, self.numbers, texts)
+        law = self.follows.told(self.driver, self.drives.unit, self.numbers, texts)
         return f"{self.where} {self.carrier.does}: {law}"
 
     def document(self, weights: FloatArray) -> dict[str, Any]:

@@ -172,11 +172,21 @@ def test_no_cause_means_no_effect(problem):
 
 
 def test_every_cause_tells_its_pattern():
-    assert {cause.name for cause in candidates(["ee"])} == {kind.name for kind, _, _ in LIBRARY}
+    assert {cause.name for cause in candidates(["ee"])} == {kind.name for kind in LIBRARY}
     for cause in candidates(["ee"]):
         sentence = cause.pattern()
         assert len(sentence) > 30
         assert not sentence.endswith(".")
+
+
+def test_every_cause_has_a_way_to_be_shown_without_loading_the_robot():
+    assert all(kind.direct for kind in LIBRARY)
+
+
+def test_a_place_or_a_variant_that_a_cause_does_not_have_is_refused():
+    for asked in (("wrench_gain", "joint 1"), ("wrench_gain", "sensor", "two axes")):
+        with pytest.raises(KeyError, match="wrench_gain"):
+            build_cause(*asked)
 
 
 def test_an_unknown_cause_is_refused():

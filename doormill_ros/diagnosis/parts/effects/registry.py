@@ -20,8 +20,8 @@ from doormill_ros.diagnosis.parts.effects.shift import ArmWarming, Place, Tilt, 
 from doormill_ros.diagnosis.parts.effects.weight import weights
 from doormill_ros.diagnosis.parts.late import LAGS
 from doormill_ros.robot_model.elastic.causes.base_compliance import BaseCompliance
+from doormill_ros.robot_model.elastic.causes.cause import JOINTS
 from doormill_ros.robot_model.elastic.causes.joint_stiffness import JointStiffness
-from doormill_ros.robot_model.elastic.causes.registry import JOINTS
 from doormill_ros.robot_model.elastic.causes.tool_compliance import ToolCompliance
 
 #: Torques from which a gap is tried as open [N m]: what one between neighbours leaves passes for no other cause.

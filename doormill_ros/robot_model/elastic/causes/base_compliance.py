@@ -10,6 +10,8 @@ class BaseCompliance(TiltingMount):
     """The whole robot, its base included, tilts about x and y of the base frame."""
 
     name = "base_compliance"
+    places = ("base",)
+    direct = "put reflectors on the foot of the robot"
     driver = WRENCH
     check = "press against the robot and read a dial at its foot"
     frame = 0

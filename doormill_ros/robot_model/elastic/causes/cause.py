@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -10,6 +11,8 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.candidate import Candidate, number
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
+JOINTS = tuple(f"joint {k}" for k in range(1, 7))
+LINKS = tuple(f"link {k}" for k in range(1, 7))
 #: What drives a cause.
 CONSTANT, OWN_TORQUE, DIRECTION, WRENCH, TIME = (
     "constant",
@@ -18,6 +21,8 @@ CONSTANT, OWN_TORQUE, DIRECTION, WRENCH, TIME = (
     "wrench",
     "time under load",
 )
+#: What shows most causes in a joint without any other loading of the robot.
+ALONE = "load the joint alone, with small and large weights and from both sides"
 
 
 @dataclass
@@ -46,14 +51,38 @@ class ElasticCause(Candidate[LoadCase]):
     on what the tracker reports (`observe`).
 
     Attributes:
+        places: Where it may act; None for every reflector.
+        variants: Readings of it.
         stage: "setup", "robot" or "tracker".
         driver: What its size goes with from trial to trial.
         added_last: Of the tracker's, whether it is added to what is reported when all others have acted.
+        scales_all: Whether it changes all displacements by one share, as springs would that change alike.
+        direct: What shows it where no loading of the whole robot does, as an order.
     """
 
+    places: tuple[str, ...] | None = JOINTS
+    variants: tuple[str, ...] = ("",)
     stage: str = "robot"
     driver: str = CONSTANT
     added_last: bool = False
+    scales_all: bool = False
+    direct: str = ""
+
+    @classmethod
+    def candidates(cls, reflectors: Iterable[str]) -> Sequence[ElasticCause]:
+        """Every variant at every place, for a test with these reflectors."""
+        places = reflectors if cls.places is None else cls.places
+        return [cls.build(where, variant) for where in places for variant in cls.variants]
+
+    @classmethod
+    def build(cls, where: str, variant: str) -> ElasticCause:
+        """A variant at a place."""
+        return cls(where)
+
+    @property
+    def also_at(self) -> tuple[str, ...]:
+        """Other places at which a law may act of which this cause is the mean."""
+        return ()
 
     def kinks(self, case: LoadCase) -> FloatArray:
         """Of a torque limit, as a share of the largest torque of the joint: they lie at the torques of the trials."""

@@ -7,7 +7,7 @@ from scipy.special import log_ndtr, ndtr
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.candidate import CauseParameter
-from doormill_ros.robot_model.elastic.causes.cause import DIRECTION, ElasticCause, index
+from doormill_ros.robot_model.elastic.causes.cause import ALONE, DIRECTION, ElasticCause, index
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
 _GAP = 1e-4  #: theta 1 is a gap of this size [rad]
@@ -24,6 +24,7 @@ class DisplacementBacklash(ElasticCause):
     """
 
     name = "joint_backlash"
+    direct = ALONE
     driver = DIRECTION
     check = "mill a wall twice, reached from both sides"
     parameters = (CauseParameter("gap", "rad", 0.0, 2e-2), CauseParameter("crossing", "N m", 0.0, 1e3))

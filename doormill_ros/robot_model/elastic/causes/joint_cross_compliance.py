@@ -16,11 +16,18 @@ class JointCrossCompliance(LinearTwist):
     """Everything behind the joint tilts about the joint's origin by compliance times transverse moment."""
 
     name = "joint_cross_compliance"
+    direct = "put reflectors on both sides of the joint's bearing"
     driver = WRENCH
     parameters = (CauseParameter("compliance", "rad / (N m)", 0.0, 1e-4),)
     scale = np.array([3.0])
     lower = np.array([0.0])
     upper = np.array([1000.0])
+
+    @property
+    def also_at(self) -> tuple[str, ...]:
+        """The links that end in the bearing."""
+        before = index(self.where)
+        return f"link {before}", f"link {before + 1}"
 
     def pattern(self) -> str:
         """What it leaves."""

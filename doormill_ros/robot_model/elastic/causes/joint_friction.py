@@ -6,7 +6,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.candidate import CauseParameter
-from doormill_ros.robot_model.elastic.causes.cause import DIRECTION, ElasticCause, index
+from doormill_ros.robot_model.elastic.causes.cause import ALONE, DIRECTION, ElasticCause, index
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
 
@@ -18,6 +18,7 @@ class JointFriction(ElasticCause):
     """
 
     name = "joint_friction"
+    direct = ALONE
     driver = DIRECTION
     parameters = (CauseParameter("torque", "N m", 0.0, 1e3),)
     scale = np.array([0.2])

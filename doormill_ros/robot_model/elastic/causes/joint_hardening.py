@@ -6,7 +6,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.candidate import CauseParameter
-from doormill_ros.robot_model.elastic.causes.cause import OWN_TORQUE, ElasticCause, index
+from doormill_ros.robot_model.elastic.causes.cause import ALONE, OWN_TORQUE, ElasticCause, index
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
 
@@ -14,6 +14,7 @@ class JointHardening(ElasticCause):
     """Theta is model stiffness / K0 - 1, and h times the largest torque of the test."""
 
     name = "joint_hardening"
+    direct = ALONE
     driver = OWN_TORQUE
     check = "load the joint with two known weights"
     parameters = (

@@ -14,6 +14,7 @@ class JointOffset(ElasticCause):
     """The posture in which load and springs act has this angle added to one joint."""
 
     name = "joint_offset"
+    direct = "calibrate the zero positions of the joints"
     parameters = (CauseParameter("angle", "rad", -0.3, 0.3),)
     scale = np.array([0.02])
     lower = np.array([-0.5])

@@ -6,7 +6,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.candidate import CauseParameter
-from doormill_ros.robot_model.elastic.causes.cause import OWN_TORQUE, LinearTwist, index
+from doormill_ros.robot_model.elastic.causes.cause import ALONE, OWN_TORQUE, LinearTwist, index
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
 
@@ -14,6 +14,7 @@ class JointStiffness(LinearTwist):
     """K0 / K - 1 is fitted: the joint turns by (1 + theta) torque / K0."""
 
     name = "joint_stiffness"
+    direct = ALONE
     driver = OWN_TORQUE
     check = "load the joint with a known weight"
     parameters = (CauseParameter("stiffness", "N m / rad", 1e3, 1e8),)

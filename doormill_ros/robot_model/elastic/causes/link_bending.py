@@ -7,7 +7,7 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import cross
 from doormill_ros.robot_model.candidate import CauseParameter
-from doormill_ros.robot_model.elastic.causes.cause import WRENCH, LinearTwist, index
+from doormill_ros.robot_model.elastic.causes.cause import LINKS, WRENCH, LinearTwist, index
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
 _SCALE = 1e-6  #: theta 1 is an EI of a million N m^2
@@ -21,6 +21,8 @@ class LinkBending(LinearTwist):
     """
 
     name = "link_bending"
+    places = LINKS
+    direct = "put reflectors on both ends of the link"
     driver = WRENCH
     parameters = (CauseParameter("EI", "N m^2", 1e3, 1e9),)
     scale = np.array([1.0])

@@ -14,6 +14,7 @@ class ProcessForce(ElasticCause):
     """The true wrench is the assumed one times 1 + theta."""
 
     name = "process_force"
+    places = ("tool",)
     check = "mill a test cut at half the feed: a force changes with it, a spring does not"
     parameters = (CauseParameter("factor", "1", 0.0, 10.0),)
     scale = np.array([0.2])
@@ -42,6 +43,7 @@ class ProcessForceDirection(ElasticCause):
     """The true wrench is the assumed one turned about the tool by theta [rad]."""
 
     name = "process_force_direction"
+    places = ("tool",)
     check = "mill a test cut in the opposite direction: a force turns with it"
     parameters = (CauseParameter("angle", "rad", -3.2, 3.2),)
     scale = np.array([0.1])

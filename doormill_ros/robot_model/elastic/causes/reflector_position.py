@@ -14,6 +14,8 @@ class ReflectorPosition(ElasticCause):
     """The true position is the stated one plus the offset, in the frame of the link."""
 
     name = "reflector_position"
+    places = None
+    direct = "turn the last joints and measure where the reflector sits"
     acts_in = "reflector"
     parameters = (CauseParameter("offset", "m", -0.2, 0.2, 3),)
     scale = np.full(3, 0.02)

@@ -23,45 +23,32 @@ from doormill_ros.robot_model.elastic.causes.tracker_scale import TrackerScale
 from doormill_ros.robot_model.elastic.causes.wrench_frame_rotation import WrenchFrameRotation
 from doormill_ros.robot_model.elastic.causes.wrench_gain import WrenchGain
 
-JOINTS = tuple(f"joint {k}" for k in range(1, 7))
-LINKS = tuple(f"link {k}" for k in range(1, 7))
-
-#: Class, its places (None: the names of the reflectors) and its variants.
-LIBRARY: tuple[tuple[type[ElasticCause], tuple[str, ...] | None, tuple[str, ...]], ...] = (
-    (JointStiffness, JOINTS, ("",)),
-    (DisplacementBacklash, JOINTS, ("",)),
-    (JointHardening, JOINTS, ("",)),
-    (JointFriction, JOINTS, ("",)),
-    (JointCrossCompliance, JOINTS, ("",)),
-    (LinkBending, LINKS, ("",)),
-    (BaseCompliance, ("base",), ("", "two axes")),
-    (ToolCompliance, ("flange",), ("", "two axes")),
-    (WrenchFrameRotation, ("sensor",), ("",)),
-    (WrenchGain, ("sensor",), ("",)),
-    (TrackerFrameRotation, ("tracker",), ("",)),
-    (TrackerScale, ("tracker",), ("",)),
-    (DisplacementDrift, ("cell",), ("",)),
-    (ReflectorPosition, None, ("",)),
-    (JointOffset, JOINTS, ("",)),
+LIBRARY: tuple[type[ElasticCause], ...] = (
+    JointStiffness,
+    DisplacementBacklash,
+    JointHardening,
+    JointFriction,
+    JointCrossCompliance,
+    LinkBending,
+    BaseCompliance,
+    ToolCompliance,
+    WrenchFrameRotation,
+    WrenchGain,
+    TrackerFrameRotation,
+    TrackerScale,
+    DisplacementDrift,
+    ReflectorPosition,
+    JointOffset,
 )
 
-#: The same of what a process alone can show; no loading test does.
-CUTTING: tuple[tuple[type[ElasticCause], tuple[str, ...] | None, tuple[str, ...]], ...] = (
-    (ProcessForce, ("tool",), ("",)),
-    (ProcessForceDirection, ("tool",), ("",)),
-    (ToolBending, ("tool",), ("",)),
-)
+#: What a process alone can show; no loading test does.
+CUTTING: tuple[type[ElasticCause], ...] = (ProcessForce, ProcessForceDirection, ToolBending)
 
 
 def candidates(reflectors: Iterable[str]) -> list[ElasticCause]:
     """Every cause at every place, for a test with these reflectors."""
     reflectors = tuple(reflectors)
-    found: list[ElasticCause] = []
-    for kind, places, variants in LIBRARY:
-        for where in reflectors if places is None else places:
-            for variant in variants:
-                found.append(kind(where, variant) if variant else kind(where))  # type: ignore[call-arg]
-    return found
+    return [cause for kind in LIBRARY for cause in kind.candidates(reflectors)]
 
 
 def build_cause(name: str, where: str, variant: str = "") -> ElasticCause:
@@ -70,7 +57,7 @@ def build_cause(name: str, where: str, variant: str = "") -> ElasticCause:
     Raises:
         KeyError: The library has no such cause.
     """
-    for kind, places, variants in (*LIBRARY, *CUTTING):
-        if kind.name == name and (places is None or where in places) and variant in variants:
-            return kind(where, variant) if variant else kind(where)  # type: ignore[call-arg]
+    for kind in (*LIBRARY, *CUTTING):
+        if kind.name == name and (kind.places is None or where in kind.places) and variant in kind.variants:
+            return kind.build(where, variant)
     raise KeyError(f"{name} at {where}")

@@ -16,6 +16,8 @@ class DisplacementDrift(ElasticCause):
     """Reported displacement = true displacement + velocity times dt."""
 
     name = "thermal_drift"
+    places = ("cell",)
+    direct = "measure a fixed point again and again without any load"
     acts_in = "tracker"
     driver = TIME
     added_last = True

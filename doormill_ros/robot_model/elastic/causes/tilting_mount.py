@@ -17,6 +17,7 @@ class TiltingMount(LinearTwist):
     """
 
     parameters = (CauseParameter("stiffness", "N m / rad", 1e3, 1e9),)
+    variants = ("", "two axes")
     frame: int
     first_link: int
     unit_compliance: float  #: theta 1 [rad / (N m)]
@@ -30,6 +31,11 @@ class TiltingMount(LinearTwist):
         if variant:
             self.parameters = (CauseParameter("stiffness", "N m / rad", 1e3, 1e9, 2),)
             self.generalises = self.name
+
+    @classmethod
+    def build(cls, where: str, variant: str) -> TiltingMount:
+        """With one stiffness or two."""
+        return cls(where, variant)
 
     def unit(self, case: LoadCase) -> FloatArray:
         """Tilt about x and about y, apart or together."""

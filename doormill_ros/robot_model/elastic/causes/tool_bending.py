@@ -16,6 +16,7 @@ class ToolBending(LinearTwist):
     """The tip moves by force over stiffness, both across the tool's axis; 1 / stiffness is fitted."""
 
     name = "tool_bending"
+    places = ("tool",)
     check = "mill the same pocket with a shorter mill"
     parameters = (CauseParameter("stiffness", "N / m", 1e3, 1e12),)
     scale = np.array([0.3])

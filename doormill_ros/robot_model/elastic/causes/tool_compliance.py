@@ -10,6 +10,8 @@ class ToolCompliance(TiltingMount):
     """Everything on the flange tilts about x and y of the flange frame, at its origin."""
 
     name = "tool_compliance"
+    places = ("flange",)
+    direct = "put one reflector on the flange and one on the tool"
     acts_in = "tool"
     driver = WRENCH
     check = "press against the spindle and read a dial on the flange"

@@ -15,6 +15,8 @@ class TrackerFrameRotation(ElasticCause):
     """Reported displacement = R(rotation vector) times true displacement."""
 
     name = "tracker_frame_rotation"
+    places = ("tracker",)
+    direct = "measure three fixed points of the robot's base with the tracker"
     parameters = (CauseParameter("rotation_vector", "rad", -0.5, 0.5, 3),)
     scale = np.full(3, 0.02)
     lower = np.full(3, -0.7)

@@ -14,6 +14,9 @@ class TrackerScale(ElasticCause):
     """Reported displacement = factor times true displacement."""
 
     name = "tracker_scale"
+    places = ("tracker",)
+    direct = "measure a scale bar of known length with the tracker"
+    scales_all = True
     parameters = (CauseParameter("factor", "1", 0.5, 2.0),)
     scale = np.array([0.1])
     lower = np.array([-0.5])

@@ -14,6 +14,8 @@ class WrenchFrameRotation(ElasticCause):
     """The true rotation from sensor to flange axes is the stated one plus this angle."""
 
     name = "wrench_frame_rotation"
+    places = ("sensor",)
+    direct = "hang a known mass on the force sensor and turn the flange"
     driver = WRENCH
     parameters = (CauseParameter("angle", "rad", -np.pi, np.pi),)
     scale = np.array([0.05])

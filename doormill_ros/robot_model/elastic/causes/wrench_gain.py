@@ -14,6 +14,9 @@ class WrenchGain(ElasticCause):
     """The true wrench is the recorded one times the factor."""
 
     name = "wrench_gain"
+    places = ("sensor",)
+    direct = "hang a known mass on the force sensor"
+    scales_all = True
     driver = WRENCH
     parameters = (CauseParameter("factor", "1", 0.2, 5.0),)
     scale = np.array([0.1])

@@ -11,6 +11,10 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.candidate import Cause
 from doormill_ros.robot_model.motion.view import SeenMotion
 
+#: What causes act on in the words of laws, as these begin, and what drives them.
+SPRING, FRICTION, DELAY = "spring", "friction", "delay"
+TORQUE, SPEED = ("own torque", "torque sign"), ("speed",)
+
 
 class MotionCause(Cause):
     """One way in which link minus motor angle can differ from minus torque over stiffness.
@@ -20,9 +24,24 @@ class MotionCause(Cause):
 
     Attributes:
         phased: Whether the recording's own columns are a wave of which it owns the phase, not the height.
+        acts_on: What it acts on in the words of laws, as these begin; empty where none says the same.
+        follows: Drivers of which it is one law: where something else follows one of them too, the law is another.
+        of_delay: Whether its coefficient is what is missing of the delay at which a model sees the joint.
+        of_spring: Whether its coefficient is compliance of the spring beyond the model's.
+        told_settings: Settings that are told beside its parameters.
     """
 
     phased: bool = False
+    acts_on: str = ""
+    follows: tuple[str, ...] = ()
+    of_delay: bool = False
+    of_spring: bool = False
+    told_settings: tuple[str, ...] = ()
+
+    @property
+    def slow(self) -> bool:
+        """Whether it is so slow a wave that a few of them can stand for whatever is slow."""
+        return False
 
     @classmethod
     def candidates(cls, where: str, motions: Sequence[SeenMotion]) -> Sequence[MotionCause]:

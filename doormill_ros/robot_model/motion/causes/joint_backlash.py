@@ -8,7 +8,7 @@ from typing import Any, Self
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.motion.causes.cause import MotionCause
+from doormill_ros.robot_model.motion.causes.cause import TORQUE, MotionCause
 from doormill_ros.robot_model.motion.view import SeenMotion
 
 #: Torques at which the teeth lie firmly on one side [N m].
@@ -22,6 +22,7 @@ class JointBacklash(MotionCause):
     """x is the gap [rad]: the link lies on the side that the torque presses it to, or stays where friction holds it."""
 
     name = "joint_backlash"
+    follows = TORQUE
 
     def __init__(self, where: str, law: str = "pressed", size: float = CROSSINGS[0]) -> None:
         """Put it at its place.

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.motion.causes.cause import MotionCause
+from doormill_ros.robot_model.motion.causes.cause import DELAY, SPEED, MotionCause
 from doormill_ros.robot_model.motion.view import SeenMotion
 
 
@@ -24,6 +24,8 @@ class JointDamping(MotionCause):
     """x is the damping over the stiffness [s]."""
 
     name = "joint_damping"
+    acts_on = DELAY
+    follows = SPEED
 
     def columns(self, seen: SeenMotion) -> FloatArray:
         """Speed, shape (n, 1)."""

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Self
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.motion.causes.cause import MotionCause, largest_torque
+from doormill_ros.robot_model.motion.causes.cause import FRICTION, MotionCause, largest_torque
 from doormill_ros.robot_model.motion.view import SeenMotion
 
 #: Ways that bristles bend before they slide [rad of the joint].
@@ -20,6 +20,8 @@ class MotionFriction(MotionCause):
     """
 
     name = "joint_friction"
+    acts_on = FRICTION
+    told_settings = ("width",)
 
     def __init__(self, where: str, width: float = WIDTHS[0]) -> None:
         """Put it at its place with bristles that bend by a width [rad]."""

@@ -69,6 +69,11 @@ class MotionPeriodicError(MotionCause):
         """Every order is one of its own."""
         return (self.name, self.where, self.angle, f"{self.order:.6g}")
 
+    @property
+    def slow(self) -> bool:
+        """Whether it is one of the slowest waves."""
+        return self.angle == "joint" and self.order < FINE
+
     def waves(self, seen: SeenMotion) -> float:
         """Waves in a turn of the joint."""
         return self.order * (seen.motion.gear_ratio if self.angle == "motor" else 1.0)

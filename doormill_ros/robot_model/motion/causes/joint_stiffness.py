@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.motion.causes.cause import MotionCause
+from doormill_ros.robot_model.motion.causes.cause import SPRING, TORQUE, MotionCause
 from doormill_ros.robot_model.motion.view import SeenMotion
 
 _BEYOND = 3.0  #: times what noise alone makes a spring look harder
@@ -17,6 +17,9 @@ class MotionStiffness(MotionCause):
     """x is the compliance [rad / (N m)] beyond the model's."""
 
     name = "joint_stiffness"
+    acts_on = SPRING
+    follows = TORQUE
+    of_spring = True
 
     def columns(self, seen: SeenMotion) -> FloatArray:
         """Minus torque, shape (n, 1)."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.motion.causes.cause import MotionCause
+from doormill_ros.robot_model.motion.causes.cause import DELAY, MotionCause
 from doormill_ros.robot_model.motion.causes.joint_damping import largest_damping
 from doormill_ros.robot_model.motion.view import SeenMotion
 
@@ -16,6 +16,8 @@ class TimeSkew(MotionCause):
     """What the link encoder says at a time is where the joint was a skew before; x is a further skew [s]."""
 
     name = "time_skew"
+    acts_on = DELAY
+    of_delay = True
     of_robot = False
 
     def columns(self, seen: SeenMotion) -> FloatArray:

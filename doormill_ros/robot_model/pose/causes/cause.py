@@ -9,7 +9,13 @@ from typing import Any
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.candidate import Cause
 from doormill_ros.robot_model.pose.causes.hints import Hints
+from doormill_ros.robot_model.pose.chain import Placement
 from doormill_ros.robot_model.pose.view import SetView
+
+#: Standard deviations from which on a number is told, and a cause of which none is has no size.
+CLEAR = 2.0
+#: Value, standard deviation and unit by name, and whatever else is told of a number.
+Reported = dict[str, dict[str, Any]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +54,14 @@ class PoseCause(Cause):
     """One way in which a real robot's poses can differ from the nominal ones, linear in its coefficients.
 
     One that is not of the robot holds for its series alone.
+
+    Attributes:
+        drawn_wrong: Whether it is how the robot was built, which is nobody's habit and not learnt from one series.
+        for_lengths: Whether it is one share that stands for the lengths of several links.
     """
+
+    drawn_wrong: bool = False
+    for_lengths: bool = False
 
     @classmethod
     def candidates(cls, hints: Hints) -> Sequence[PoseCause]:
@@ -83,6 +96,40 @@ class PoseCause(Cause):
     def imitated(self) -> int:
         """How many of the coefficients, from the first on, another cause imitates; it is real by the others alone."""
         return 0
+
+    @property
+    def driver_elsewhere(self) -> str:
+        """What drives it, as laws at other places have it; empty where such a law is no doubt about it."""
+        return ""
+
+    def impossible(self, x: FloatArray) -> bool:
+        """Whether no such cause can have coefficients, shape (k,)."""
+        return False
+
+    def reported(self, x: FloatArray, std: FloatArray, seen: Sequence[tuple[SetView, Placement]]) -> Reported:
+        """What is told of its numbers.
+
+        Args:
+            x: Coefficients, shape (k,).
+            std: Their standard deviations, shape (k,).
+            seen: The series, and where each stands.
+        """
+        return {
+            c.name: {"value": float(v), "std": float(s), "unit": c.unit}
+            for c, v, s in zip(self.coefficients, x, std, strict=True)
+        }
+
+    def spectrum(self, x: FloatArray) -> tuple[FloatArray, FloatArray] | None:
+        """Of an error of a joint's own angle: orders and amplitudes by coefficients (k,), shape (n,) each [rad]."""
+        return None
+
+    def doubt(self, reported: Mapping[str, Mapping[str, Any]]) -> str:
+        """What else it may be with the numbers that are told, as a sentence; empty where nothing else is known."""
+        return ""
+
+    def meaning(self, reported: Mapping[str, Mapping[str, Any]]) -> str:
+        """What the numbers that are told mean, as a sentence; empty where they say it themselves."""
+        return ""
 
     def columns(self, view: SetView) -> list[Columns]:
         """Effect on the frames of a series; empty where the cause does not act."""

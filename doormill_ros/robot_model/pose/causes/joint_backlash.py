@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.candidate import number
-from doormill_ros.robot_model.pose.causes.cause import Coefficient, Columns, PoseCause
-from doormill_ros.robot_model.pose.chain import joint_turn
+from doormill_ros.robot_model.pose.causes.cause import Coefficient, Columns, PoseCause, Reported
+from doormill_ros.robot_model.pose.chain import Placement, joint_turn
 from doormill_ros.robot_model.pose.view import SetView
 
 
@@ -31,6 +35,19 @@ class PoseBacklash(PoseCause):
     def side(gap: float) -> str:
         """Where the joint stands for a coefficient [rad]: 'short' of its recorded angle or 'beyond' it."""
         return "beyond" if gap > 0.0 else "short"
+
+    def reported(self, x: FloatArray, std: FloatArray, seen: Sequence[tuple[SetView, Placement]]) -> Reported:
+        """The size of the gap, and to which side it opens."""
+        gap = super().reported(x, std, seen)["gap"]
+        return {"gap": {**gap, "value": abs(gap["value"]), "side": self.side(gap["value"])}}
+
+    def meaning(self, reported: Mapping[str, Mapping[str, Any]]) -> str:
+        """To which side it opens: the gap itself is a size."""
+        said = {
+            "short": "stops half its gap short of the recorded angle, as play behind the encoder does.",
+            "beyond": "goes half its gap beyond the recorded angle, which play behind the encoder does not do.",
+        }
+        return f"{self.where.capitalize()} {said[reported['gap']['side']]}"
 
     def pattern(self) -> str:
         """What it leaves."""

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.candidate import number
 from doormill_ros.robot_model.pose.causes.cause import Coefficient, Columns, PoseCause
 from doormill_ros.robot_model.pose.causes.hints import Hints
@@ -56,6 +59,16 @@ class JointPeriodicError(JointWaves):
             Coefficient(name, "rad", size_group(self.where, order, self.orders), 5e-4)
             for order, name in self.wave_names()
         )
+
+    @property
+    def driver_elsewhere(self) -> str:
+        """The joint's angle: turns of two parallel joints by one angle may stand for a third thing."""
+        return f"angle of {self.where}"
+
+    def spectrum(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Orders and their amplitudes."""
+        pairs = x.reshape(-1, 2)
+        return np.array(self.orders, dtype=float), np.hypot(pairs[:, 0], pairs[:, 1])
 
     def columns(self, view: SetView) -> list[Columns]:
         """Turn of the joint."""

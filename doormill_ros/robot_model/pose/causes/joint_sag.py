@@ -9,9 +9,9 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.candidate import number
-from doormill_ros.robot_model.pose.causes.cause import Coefficient, Columns, PoseCause
+from doormill_ros.robot_model.pose.causes.cause import CLEAR, Coefficient, Columns, PoseCause, Reported
 from doormill_ros.robot_model.pose.causes.hints import Hints
-from doormill_ros.robot_model.pose.chain import joint_turn
+from doormill_ros.robot_model.pose.chain import Placement, joint_turn
 from doormill_ros.robot_model.pose.view import SetView
 
 #: Torque of gravity below which a joint's sag cannot be asked for [N m].
@@ -79,6 +79,17 @@ class JointSag(PoseCause):
     def imitated(self) -> int:
         """Those of the joint's own frame, where a wave does the same."""
         return 3 if self.wave else 0
+
+    def impossible(self, x: FloatArray) -> bool:
+        """What would have to push back against the weight."""
+        return not self.frames and bool(x[0] < 0.0)
+
+    def reported(self, x: FloatArray, std: FloatArray, seen: Sequence[tuple[SetView, Placement]]) -> Reported:
+        """The compliance, or those turns that are clear of zero: most moments of a real arm are next to nothing."""
+        every = super().reported(x, std, seen)
+        if not self.frames:
+            return every
+        return {name: one for name, one in every.items() if abs(one["value"]) > CLEAR * one["std"]}
 
     def columns(self, view: SetView) -> list[Columns]:
         """Torque of gravity about the joint axis, or levers of the unknown weights."""

@@ -9,7 +9,8 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.candidate import number
-from doormill_ros.robot_model.pose.causes.cause import PoseCause
+from doormill_ros.robot_model.pose.causes.cause import CLEAR, PoseCause, Reported
+from doormill_ros.robot_model.pose.chain import Placement
 from doormill_ros.robot_model.pose.view import SetView
 
 
@@ -48,3 +49,25 @@ class JointWaves(PoseCause):
     def wave_names(self) -> list[tuple[int, str]]:
         """Order and name of every column of `waves`."""
         return [(order, f"{part}_{order}") for order in self.orders for part in ("cos", "sin")]
+
+    def reported(self, x: FloatArray, std: FloatArray, seen: Sequence[tuple[SetView, Placement]]) -> Reported:
+        """Amplitude of every order that is clear of zero, and its cosine and sine."""
+        named = super().reported(x, std, seen)
+        prefixes = (name.rsplit("_", 2)[0] + "_" if name.count("_") > 1 else "" for name in named)
+        found: Reported = {}
+        for prefix in dict.fromkeys(prefixes):
+            for order in self.orders:
+                c, s = named[f"{prefix}cos_{order}"], named[f"{prefix}sin_{order}"]
+                size = float(np.hypot(c["value"], s["value"]))
+                own = float(np.hypot(c["value"] * c["std"], s["value"] * s["std"]) / max(size, 1e-30))
+                if size > CLEAR * own:
+                    found[f"{prefix}order_{order}"] = {
+                        "value": size,
+                        "std": own,
+                        "unit": "rad",
+                        "cos": c["value"],
+                        "sin": s["value"],
+                        "cos_std": c["std"],
+                        "sin_std": s["std"],
+                    }
+        return found

@@ -34,6 +34,7 @@ class LinkGeometry(PoseCause):
     """
 
     name = "link_geometry"
+    drawn_wrong = True
 
     def __init__(self, where: str, dh: FloatArray, drawn: Sequence[str] = ()) -> None:
         """Choose what can be told from the placement."""

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.pose.causes.cause import Coefficient, Columns, PoseCause
+from doormill_ros.robot_model.pose.causes.cause import Coefficient, Columns, PoseCause, Reported
 from doormill_ros.robot_model.pose.causes.hints import Hints
-from doormill_ros.robot_model.pose.chain import direction
+from doormill_ros.robot_model.pose.chain import Placement, direction
 from doormill_ros.robot_model.pose.view import SetView
 
 MARGIN = 20  #: rows at either end in which no step is looked for
@@ -46,6 +46,25 @@ class SessionStep(PoseCause):
             return []
         after = (view.row >= self.row).astype(float)[:, None]
         return [Columns(direction(0, axis), axis, after) for axis in range(6)]
+
+    def reported(self, x: FloatArray, std: FloatArray, seen: Sequence[tuple[SetView, Placement]]) -> Reported:
+        """Step and turn in axes of the tracker, the row from which on they act, and its time where that is known."""
+        view, placement = next(one for one in seen if self.where == f"set {one[0].name}")
+        R_tracker_base = placement.T_tracker_base[:3, :3]
+        steps: Reported = {}
+        for name, axes in (("step", slice(0, 3)), ("turn", slice(3, 6))):
+            steps[name] = {
+                "value": [float(v) for v in R_tracker_base @ x[axes]],
+                "std": [float(v) for v in np.sqrt(R_tracker_base**2 @ std[axes] ** 2)],
+                "unit": self.coefficients[axes.start].unit,
+                "axes": "tracker",
+            }
+        steps["row"] = {"value": self.row, "std": 1.0, "unit": "-"}
+        at = int(np.searchsorted(view.row, self.row))
+        if view.time is not None and np.isfinite(view.time[at]):
+            before = float(view.time[at] - view.time[at - 1])
+            steps["time"] = {"value": float(view.time[at]), "std": before, "unit": "s"}
+        return steps
 
     def pattern(self) -> str:
         """What it leaves."""
