@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from doormill_ros.abb import signals
+from doormill_ros.abb.target_file.target_file import render_target_file
 
 NAMES = ["door_one", "", "door_three"]
 
@@ -91,3 +94,59 @@ def test_a_door_that_leaves_takes_its_name_along(waiting):
     assert robot.program.read("expectedDoor") == ""
     assert robot.io.history.count(("doPathRequest", 1)) == 1
     assert "Waiting for the name of the door." in robot.pendant_lines
+
+
+def plant_of_two_doors(seen: list[str], opened: list[float]):
+    """Mills the door that was named, whose bar code is read twice; then the clamp takes one that nobody names."""
+
+    def plant(c):
+        request = int(c.program.read("requestNumber")) if c.io.read(signals.REQUEST) else 0
+        if not opened:
+            if request and not seen:
+                seen.append("read again")
+                (c.home / signals.EXPECTED_FILE).write_text("thesis_190_0deg\n")
+            if c.program.read("doorSpent") and not c.program.read("doorInHand"):
+                opened.append(c.now())
+                c.cell.set_input("diDoorClamped", 0.0)
+            if request and c.io.read(signals.READY_NUMBER) != request:
+                (c.home / signals.ORDER_FILE).write_text(f"run-1\n{request}\n")
+        elif c.now() > opened[0] + 2.0:
+            c.cell.set_input("diDoorClamped", 1.0)
+        answered = 0 if opened else request
+        c.io.write(signals.READY_NUMBER, answered)
+        c.io.write(signals.READY, int(bool(answered)))
+        if opened and (request or c.now() > opened[0] + 10.0):
+            c.stop()
+
+    return plant
+
+
+def test_a_bar_code_that_is_read_twice_names_one_door(controller, door):
+    seen: list[str] = []
+    opened: list[float] = []
+    plant = plant_of_two_doors(seen, opened)
+    robot = controller(expected_door="", patience=None, on_wait=lambda c: plant(c))
+    (robot.home / signals.TARGET_FILE).write_bytes(render_target_file(door("thesis_190_0deg"), "run-1"))
+    (robot.home / signals.EXPECTED_FILE).write_text("thesis_190_0deg\n")
+    robot.cell.set_input("diDoorClamped", 1.0)
+    robot.panel.start()
+    robot.serve()
+    assert (len(seen), len(opened)) == (1, 1)
+    assert robot.io.read("doPathDone") == 1
+    assert robot.io.history.count(("doPathRequest", 1)) == 1
+    assert robot.program.read("expectedDoor") == ""
+
+
+def test_a_name_that_cannot_be_taken_away_names_no_door(waiting, monkeypatch):
+    """It would name every door after this one."""
+    robot = waiting(lambda c: ended(c, 5.0))
+    (robot.home / signals.EXPECTED_FILE).write_text("door_by_code\n")
+    unlink = Path.unlink
+
+    def held(path, *args, **kwargs):
+        if path.name == signals.EXPECTED_FILE:
+            raise PermissionError("in use")
+        return unlink(path, *args, **kwargs)
+
+    monkeypatch.setattr(Path, "unlink", held)
+    assert name_of(robot) == ""

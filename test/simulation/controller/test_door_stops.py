@@ -65,6 +65,7 @@ def next_cycle(robot) -> None:
     [
         ("diSpindleAtSpeed", "The spindle lost its speed."),
         ("diDoorClamped", "The door was released while milling."),
+        ("diToolClamped", "The tool is not clamped in the spindle."),
     ],
 )
 @pytest.mark.parametrize("motion", [3, 9])
@@ -153,6 +154,51 @@ def test_a_door_that_may_have_been_exchanged_before_the_spindle_ran_is_not_cut(d
     next_cycle(robot)
     assert robot.moves == []
     assert (robot.home / signals.REFUSED_FILE).read_text() == "1\nThe robot was stopped while milling.\n"
+
+
+def test_no_spindle_starts_with_a_tool_that_is_not_clamped(cutting):
+    robot = cutting(1, lambda c: None)
+    turned: list[float] = []
+
+    def loosen(c):
+        c.cell.set_input("diToolClamped", 0.0)
+        turned.append(c.read_signal("doSpindleOn"))
+
+    robot._on_time = loosen
+    robot.run()
+    assert not any(turned)
+    assert (robot.home / signals.REFUSED_FILE).read_text() == "1\nThe tool is not clamped in the spindle.\n"
+
+
+def test_the_clamp_may_open_only_beside_a_mill_at_rest(cutting):
+    """doPathBusy falls, and doPathDone rises, once the spindle stands: people go to the door then."""
+    robot = cutting(10**6, lambda c: None)
+    coasts, seen = [True], set()
+
+    def watch(c):
+        if coasts[0]:
+            c.cell.set_input("diSpindleStopped", 0.0)
+        begun = bool(c.program.read("doorInHand")) or bool(seen)
+        if begun:
+            seen.add(
+                (c.io.read("doPathBusy"), c.io.read("doPathDone"), bool(c.read_signal("diSpindleStopped")))
+            )
+
+    def operator(dialog):
+        coasts[0] = False
+        robot.cell.set_input("diSpindleStopped", 1.0)
+        return dialog.buttons[0][0]
+
+    robot._on_time = watch
+    robot.teach_pendant.operator = operator
+    robot.run()
+    assert [dialog.lines for dialog in robot.teach_pendant.dialogs] == [
+        ("The spindle does not come to rest.", "Keep the clamp shut until it stands still.")
+    ]
+    assert robot.io.read("doPathDone") == 1
+    assert (1, 0, False) in seen
+    assert not any(not busy and not stands for busy, _, stands in seen)
+    assert not any(done and not stands for _, done, stands in seen)
 
 
 def test_the_door_that_ended_is_taken_out_before_another_is_asked_for(cutting):
