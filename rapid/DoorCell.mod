@@ -12,6 +12,8 @@ MODULE DoorCell
     CONST num HOME_TOLERANCE:=1;
     ! FALSE for a PC that raises doPathReady and announces no run: a file is then known by its door alone.
     CONST bool ORDER_REQUIRED:=TRUE;
+    ! TRUE for the path without the spindle, in manual mode and with an open guard: no door is milled by it.
+    PERS bool dryRun:=FALSE;
     ! What giDoorNumber means, for a line control that names the door by a number from 1.
     PERS string doorNumbers{32}:=["","","","","","","","","","","","","","","","",
         "","","","","","","","","","","","","","","",""];

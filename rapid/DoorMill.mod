@@ -109,7 +109,7 @@ MODULE DoorMill
     LOCAL PROC MillMove(moverow row,zonedata zone)
         VAR speeddata speed;
 
-        IF row.cutting AND (row.spindle<>spindleSpeed OR diSpindleAtSpeed=0) THEN
+        IF row.cutting AND (NOT dryRun) AND (row.spindle<>spindleSpeed OR diSpindleAtSpeed=0) THEN
             EndDoor TXT_SPINDLE_LOST,"";
         ENDIF
         ! Reorientation and axis speeds of the predefined speeds, feed from the file.
@@ -194,6 +194,9 @@ MODULE DoorMill
         BeginEscape 1;
         EndEscape TRUE;
         GoHome;
+        IF dryRun THEN
+            EndDoor TXT_DRY_RUN,"";
+        ENDIF
         doorInHand:=FALSE;
         WatchNothing;
         WaitForRest;

@@ -89,8 +89,10 @@ MODULE DoorStop
         ISleep spindleLost;
         CONNECT doorReleased WITH OnDoorReleased;
         ISignalDI diDoorClamped,0,doorReleased;
-        CONNECT guardOpened WITH OnGuardOpened;
-        ISignalDI diGuardClosed,0,guardOpened;
+        IF NOT dryRun THEN
+            CONNECT guardOpened WITH OnGuardOpened;
+            ISignalDI diGuardClosed,0,guardOpened;
+        ENDIF
         ! The drawbar opens at the rack, where the spindle stands.
         CONNECT toolLost WITH OnToolLost;
         ISignalDI diToolClamped,0,toolLost;
@@ -106,6 +108,12 @@ MODULE DoorStop
         ! Another speed for the spindle, watched from then on.
         VAR num reason;
 
+        IF dryRun THEN
+            IF OpMode()=OP_AUTO THEN
+                EndDoor TXT_DRY_RUN,"";
+            ENDIF
+            RETURN;
+        ENDIF
         ISleep spindleLost;
         ISleep toolLost;
         IF speed>0 AND diGuardClosed=0 THEN

@@ -80,8 +80,9 @@ MODULE DoorText
     CONST num TXT_ASK_LENGTH:=70;
     CONST num TXT_TOOL_LOOSE:=71;
     CONST num TXT_WAIT_REST:=72;
+    CONST num TXT_DRY_RUN:=73;
 
-    LOCAL CONST num TEXTS:=72;
+    LOCAL CONST num TEXTS:=73;
     LOCAL CONST num LANGUAGES:=3;
     LOCAL CONST string TABLE{TEXTS,LANGUAGES}:=[
         ["Door milling",
@@ -299,7 +300,10 @@ MODULE DoorText
         "Verktoeyet er ikke spent fast."],
         ["Keep the clamp shut until it stands still.",
         "Spanner zu lassen, bis sie steht.",
-        "Hold spennet lukket til den staar."]];
+        "Hold spennet lukket til den staar."],
+        ["Dry run in manual mode: no door is milled.",
+        "Trockenlauf von Hand: nichts wird gefraest.",
+        "Toerrkjoering for haand: ingen doer freses."]];
 
     FUNC string Text(num number)
         IF language<1 OR language>LANGUAGES THEN

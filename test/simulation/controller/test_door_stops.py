@@ -201,6 +201,37 @@ def test_the_clamp_may_open_only_beside_a_mill_at_rest(cutting):
     assert not any(done and not stands for _, done, stands in seen)
 
 
+DRY = "Dry run in manual mode: no door is milled."
+
+
+def test_a_dry_run_moves_the_whole_path_beside_an_open_guard_and_mills_nothing(cutting):
+    robot = cutting(10**6, lambda c: None)
+    turned: list[float] = []
+    robot._on_time = lambda c: turned.append(c.read_signal("doSpindleOn"))
+    robot.program.write("dryRun", "TRUE")
+    robot.panel.set_mode(OperatingMode.MANUAL_REDUCED)
+    robot.panel.motors(True)
+    robot.panel.open_guard()
+    robot.run()
+    assert not any(turned)
+    assert len(robot.moves) == robot.program.read("moveCount") + 1  # and home
+    assert np.allclose(np.degrees(robot.q), HOME, atol=1e-3)
+    assert [robot.io.read(s) for s in ("doPathFault", "doPathDone")] == [1, 0]
+    assert (robot.home / signals.REFUSED_FILE).read_text() == f"1\n{DRY}\n"
+    next_cycle(robot)
+    assert [dialog.lines[0] for dialog in robot.teach_pendant.dialogs] == [DRY]
+
+
+def test_no_dry_run_in_automatic_mode(cutting):
+    robot = cutting(10**6, lambda c: None)
+    robot.program.write("dryRun", "TRUE")
+    cuts = []
+    robot._on_time = lambda c: cuts.append(c.context.cutting and c.moving)
+    robot.run()
+    assert not any(cuts)
+    assert (robot.home / signals.REFUSED_FILE).read_text() == f"1\n{DRY}\n"
+
+
 def test_the_door_that_ended_is_taken_out_before_another_is_asked_for(cutting):
     robot = cutting(3, lambda c: c.cell.set_input("diSpindleAtSpeed", 0.0))
     robot.run()
