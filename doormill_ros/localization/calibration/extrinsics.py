@@ -21,6 +21,7 @@ from doormill_ros.localization.calibration.move_test import check_moves
 from doormill_ros.localization.calibration.moved_door import MovedDoor, SeenDoor
 from doormill_ros.localization.calibration.thesis_scale import thesis_scale
 from doormill_ros.localization.camera import R_BASE_CAMERA_NOMINAL, CameraModel
+from doormill_ros.localization.checks import check_size
 from doormill_ros.localization.sensors.corner_edges import PictureQuality, find_corner_edges
 from doormill_ros.localization.sensors.edge_rays import depth, miss
 from doormill_ros.localization.sensors.errors import SensorError
@@ -106,6 +107,7 @@ def calibrate_extrinsics(
 
     Raises:
         TooFewPictures: Fewer than three.
+        CameraInfoSize: A picture has another size than the camera's.
         EdgeNotFound: A picture shows no edge.
         PoorlySpread: The moves leave the mounting open, or one of them or all do not fit the pictures.
     """
@@ -114,6 +116,8 @@ def calibrate_extrinsics(
             f"{len(moved)} pictures of the moved door, at least {_FEWEST} are needed: one in the reference "
             "place, one moved along y and one along z"
         )
+    for item in moved:
+        check_size(item.picture.shape[::-1], camera)
     looked = [_look(m, camera, layout, quality, i) for i, m in enumerate(moved)]
     # The slider goes with the width: the camera is solved for in a frame that goes with it too.
     reference = camera.T_base_camera(0.0)

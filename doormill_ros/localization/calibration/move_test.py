@@ -38,7 +38,7 @@ def check_moves(moved: list[MovedDoor], shares: FloatArray, model: Linearised) -
     told = weight > _BLIND * np.sum(effects**2, axis=0)
     shift = np.divide(left.T @ residual, weight, out=np.zeros_like(weight), where=told)
     score = np.abs(shift) * np.sqrt(weight)
-    most = -ndtri(FALSE_ALARMS / 2.0 / max(1, np.count_nonzero(told)))
+    most = -ndtri(FALSE_ALARMS / 2.0 / max(1, int(np.count_nonzero(told))))
     worst = int(np.argmax(score))
     if score[worst] <= most:
         return

@@ -162,7 +162,9 @@ def test_a_move_that_is_wrong_by_a_tenth_of_a_millimetre_is_told_with_its_pictur
     listed = moved[number].move.copy()
     listed[axis] -= off
     moved[number] = MovedDoor(moved[number].picture, listed, moved[number].door)
-    with pytest.raises(PoorlySpread, match=rf"^picture {number + 1}, .* along {'xyz'[axis]} from there") as told:
+    with pytest.raises(
+        PoorlySpread, match=rf"^picture {number + 1}, .* along {'xyz'[axis]} from there"
+    ) as told:
         calibrate_extrinsics(moved, load_camera(), load_layout(), QUALITY, KNOWN)
     size = float(told.value.message.split("shows its door ")[1].split(" mm")[0])
     assert size == pytest.approx(1e3 * off, abs=0.04)
@@ -174,7 +176,8 @@ def test_the_mounting_fits_the_lens_of_the_file_whatever_its_doubt(clean):
     lens[:2] = 1e-3 * load_camera().k[[0, 1], [0, 1]]
     doubted = Knowledge(thickness=0.0, lens=np.outer(lens, lens))
     sure, honest = (
-        calibrate_extrinsics(clean, load_camera(), load_layout(), QUALITY, known) for known in (KNOWN, doubted)
+        calibrate_extrinsics(clean, load_camera(), load_layout(), QUALITY, known)
+        for known in (KNOWN, doubted)
     )
     np.testing.assert_allclose(honest.camera.position, sure.camera.position, atol=1e-8)
     np.testing.assert_allclose(honest.camera.rotation_vector, sure.camera.rotation_vector, atol=1e-8)

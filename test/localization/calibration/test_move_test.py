@@ -31,7 +31,8 @@ def test_right_lists_are_hardly_ever_refused() -> None:
     for _ in range(LISTS):
         drawn = root @ rng.normal(size=POINTS)
         fit = np.linalg.solve(
-            jacobian.T @ np.linalg.solve(covariance, jacobian), jacobian.T @ np.linalg.solve(covariance, drawn)
+            jacobian.T @ np.linalg.solve(covariance, jacobian),
+            jacobian.T @ np.linalg.solve(covariance, drawn),
         )
         try:
             check_moves(moved, shares, Linearised(drawn - jacobian @ fit, jacobian, covariance))
