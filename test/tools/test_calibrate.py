@@ -102,6 +102,8 @@ def test_the_lens_of_the_thesis_is_told_off(capsys):
     assert "has no ray" in capsys.readouterr().out
     assert main(["lens"]) == 0
     assert "has no ray" not in capsys.readouterr().out
+    assert main(["lens", "-0.1", "5e-2", "-1e-3"]) == 0
+    assert "a ray to the corner is moved by -39 px" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(
@@ -122,6 +124,7 @@ def test_coefficients_that_are_no_numbers_of_a_lens_are_refused(radial, capsys):
         (["--square", "25", "--board", "9", "2"], "a board of 9 x 2 inner corners"),
         (["--square", "25", "--board", "-9", "6"], "a board of -9 x 6 inner corners"),
         (["--square", "25", "--board", "1000000", "1000000"], "a board of 1000000 x 1000000 inner corners"),
+        (["--square", "25", "--board", "7", "7"], "a board of 7 x 7 inner corners"),
         (["--square", "-25"], "squares of -25 mm"),
         (["--square", "0"], "squares of 0 mm"),
         (["--square", "nan"], "squares of nan mm"),
