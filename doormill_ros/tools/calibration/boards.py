@@ -37,6 +37,7 @@ def intrinsics(arguments: argparse.Namespace, stream: Stream | None) -> list[str
     """Calibrate; what to print."""
     columns, rows = arguments.board
     board = _board(columns, rows, arguments.square)
+    document = read_document(arguments.camera)
     views, size = (
         _from_files(arguments.pictures, board) if stream is None else _live(stream, board, arguments.save)
     )
@@ -51,7 +52,7 @@ def intrinsics(arguments: argparse.Namespace, stream: Stream | None) -> list[str
         sys.stdout.write("\n".join(lines) + "\n")  # the reasons are worth most when it fails
         raise
     names = [v.name for v in views]
-    before = write_document(with_intrinsics(read_document(arguments.camera), found, names), arguments.out)
+    before = write_document(with_intrinsics(document, found, names), arguments.out)
     lines = [*_views(views, seen, found), *_numbers(found)]
     if before is not None:
         lines.append(f"the file before is kept as {before}; calibrate restore {arguments.out} puts it back")
