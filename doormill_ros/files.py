@@ -129,7 +129,8 @@ def write_atomically(
 ) -> None:
     """Write a file beside `path` and rename it over `path`.
 
-    On any failure before the rename `path` keeps what it held; the file beside it is always removed.
+    On any failure before the rename `path` keeps what it held; the file beside it is always removed. A link stays one,
+    what it leads to is replaced; who may read and write the file before may do so afterwards.
 
     Args:
         path: File to replace or create; its folder exists.
@@ -144,11 +145,17 @@ def write_atomically(
         ReadBackError: It reads back differently.
     """
     path = Path(path)
+    if not path.name:
+        raise IsADirectoryError(errno.EISDIR, "a folder, allowed is the name of a file", str(path))
+    if path.is_symlink():
+        path = Path(os.path.realpath(path))
     data = content.encode("utf-8") if isinstance(content, str) else content
     # A hidden name that no reader asks for; random, so that two writers never share one.
     beside = path.with_name(f".{path.name}.{secrets.token_hex(6)}{suffix}")
     try:
         beside.write_bytes(data)
+        with contextlib.suppress(OSError):  # there is none, or the medium has no modes
+            beside.chmod(stat.S_IMODE(path.stat().st_mode))
         if durable:
             _flush(beside)
         if verify:
@@ -179,6 +186,14 @@ def _flush(path: Path) -> None:
         os.fsync(handle)
     finally:
         os.close(handle)
+
+
+def is_same(one: Path, other: Path) -> bool:
+    """Whether two names are of one file, which need not be there; a link is what it leads to."""
+    try:
+        return one.samefile(other)
+    except (OSError, ValueError):
+        return os.path.realpath(one) == os.path.realpath(other)
 
 
 def is_file(path: Path) -> bool:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from doormill_ros.files import ReadBackError, write_atomically
+from doormill_ros.files import ReadBackError, is_same, write_atomically
 
 
 def test_text_and_bytes_replace_what_was_there(tmp_path: Path) -> None:
@@ -18,6 +18,33 @@ def test_text_and_bytes_replace_what_was_there(tmp_path: Path) -> None:
     write_atomically(path, b"new", durable=True, verify=True)
     assert path.read_bytes() == b"new"
     assert [p.name for p in tmp_path.iterdir()] == ["a.json"]
+
+
+def test_a_link_stays_and_the_mode_too(tmp_path: Path) -> None:
+    (tmp_path / "there").mkdir()
+    target, link = tmp_path / "there" / "a.yaml", tmp_path / "a.yaml"
+    target.write_text("old")
+    target.chmod(0o664)
+    link.symlink_to(target)
+    write_atomically(link, "new")
+    assert link.is_symlink()
+    assert target.read_text() == "new"
+    assert target.stat().st_mode & 0o777 == 0o664
+    assert [p.name for p in target.parent.iterdir()] == ["a.yaml"]
+
+
+def test_a_folder_is_no_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(OSError, match=r"a folder, allowed is the name of a file: '\.'"):
+        write_atomically(Path("."), "new")
+
+
+def test_names_of_one_file_are_known(tmp_path: Path) -> None:
+    (tmp_path / "a").write_text("a")
+    (tmp_path / "b").symlink_to(tmp_path / "a")
+    assert is_same(tmp_path / "a", tmp_path / "b")
+    assert is_same(tmp_path / "new", tmp_path / "." / "new")
+    assert not is_same(tmp_path / "a", tmp_path / "new")
 
 
 def test_a_failed_rename_keeps_the_old_content_and_leaves_nothing(

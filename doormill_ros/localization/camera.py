@@ -13,7 +13,7 @@ import numpy as np
 from pydantic import StrictBool
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.config import read
+from doormill_ros.config import check, read
 from doormill_ros.frames import rotation_from_vector, transform
 from doormill_ros.localization.empty_clamp import EmptyClamp, EmptyClampEntry, load_empty_clamps
 from doormill_ros.localization.errors import BadCameraFile
@@ -226,15 +226,33 @@ def load_camera(path: Path | None = None, folder: Path | None = None) -> CameraM
     """
     path = path or resource(FORM)
     content = read(path, _CameraFile, BadCameraFile, f"compare it with {FORM}")
+    return _made(content, str(path), folder or path.parent)
+
+
+def camera_of(document: object, name: str, folder: Path) -> CameraModel:
+    """What `load_camera` would make of a file.
+
+    Args:
+        document: The plain value of its text.
+        name: What it is called in messages.
+        folder: From which the paths in it are.
+
+    Raises:
+        BadCameraFile: As for `load_camera`.
+    """
+    return _made(check(document, _CameraFile, BadCameraFile, name, f"compare it with {FORM}"), name, folder)
+
+
+def _made(content: _CameraFile, name: str, folder: Path) -> CameraModel:
     mounting = content.mounting
     reason = no_lens(content.intrinsics.k, content.distortion.coefficients, content.size)
     if reason:
-        raise BadCameraFile(f"{path}: the camera {reason}; calibrate it again", path=str(path))
+        raise BadCameraFile(f"{name}: the camera {reason}; calibrate it again", path=name)
     turn = math.hypot(*mounting.rotation_vector)
     if turn > math.pi:
         raise BadCameraFile(
-            f"{path}: the camera is turned by {turn:g} rad, allowed is half a turn; correct mounting.rotation_vector",
-            path=str(path),
+            f"{name}: the camera is turned by {turn:g} rad, allowed is half a turn; correct mounting.rotation_vector",
+            path=name,
         )
     try:
         camera = CameraModel(
@@ -247,8 +265,7 @@ def load_camera(path: Path | None = None, folder: Path | None = None) -> CameraM
         )
         if not content.empty_clamp:
             return camera
-        folder = folder or path.parent
         empty = load_empty_clamps(content.empty_clamp, folder, camera.k, camera.distortion, camera.size)
         return replace(camera, empty=empty)
     except BadCameraFile as error:
-        raise BadCameraFile(f"{path}: {error.message}", path=str(path)) from error
+        raise BadCameraFile(f"{name}: {error.message}", path=name) from error

@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 
 from doormill_ros.arrays import ByteArray
+from doormill_ros.files import write_atomically
 from doormill_ros.localization.compressed import unpacked
 from doormill_ros.localization.errors import BadPicture
 
@@ -43,4 +44,4 @@ def write_picture(picture: ByteArray, path: Path) -> None:
         raise BadPicture(
             f"the picture {path} has the suffix {path.suffix!r}, allowed are .png and .jpg", path=str(path)
         ) from error
-    path.write_bytes(data.tobytes())
+    write_atomically(path, data.tobytes())

@@ -53,7 +53,11 @@ class PictureFolder:
 
     def _waiting(self) -> list[Path]:
         try:
-            files = [f for f in self.path.iterdir() if f.suffix.lower() in SUFFIXES and f.name[0] != "."]
+            files = [
+                f
+                for f in self.path.iterdir()
+                if f.suffix.lower() in SUFFIXES and f.name[0] != "." and f.is_file()
+            ]
         except OSError:
             return []
         return sorted((f for f in files if f.name not in self._given), key=_by_number)

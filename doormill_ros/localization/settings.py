@@ -8,7 +8,7 @@ from math import inf, nextafter
 from pathlib import Path
 from typing import Annotated
 
-from doormill_ros.config import read
+from doormill_ros.config import check, read
 from doormill_ros.localization.errors import BadCameraFile
 from doormill_ros.resources import resource
 from doormill_ros.values import FiniteNumber, Section
@@ -82,6 +82,15 @@ def load_settings(path: Path | None = None) -> LocalizerSettings:
         BadCameraFile: A key is missing or unknown, or a value negative, too large or of the wrong length.
     """
     return read(path or resource(FORM), _CameraFile, BadCameraFile, f"compare it with {FORM}").localizer
+
+
+def settings_of(document: object, name: str) -> LocalizerSettings:
+    """What `load_settings` would read from a file of this plain value; `name` is what messages call it.
+
+    Raises:
+        BadCameraFile: As for `load_settings`.
+    """
+    return check(document, _CameraFile, BadCameraFile, name, f"compare it with {FORM}").localizer
 
 
 @lru_cache(maxsize=1)

@@ -24,7 +24,10 @@ from doormill_ros.nodes.run import run_nodes
 
 
 class FolderCamera(RequestedCamera):
-    """Plays the camera with pictures that somebody brought; one that cannot be read is sent as an empty one."""
+    """Plays the camera with pictures that somebody brought; one that cannot be read is sent as an empty one.
+
+    What was given out is known as long as the node runs: one that is started again begins with the first picture.
+    """
 
     PARAMETERS = (
         NodeParameter("folder", "out/pictures", "folder with PNG or JPEG files, taken in the order of names"),
@@ -42,6 +45,10 @@ class FolderCamera(RequestedCamera):
         self._taken: tuple[str, Image] | None = None
         self.open_camera(self.value("retry_period"))
         self.subscribe(topics.DOOR_RECIPE, self._take_recipe)
+        self.get_logger().info(
+            f"{self._folder.left} pictures wait in {self._folder.path}, the first of them is next: those that were "
+            "used before this start are not known, take them out"
+        )
 
     def _take_recipe(self, recipe: DoorRecipe) -> None:
         if self.is_new(recipe.run_id):

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 import rclpy
+from rclpy.exceptions import InvalidTopicNameException
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
@@ -30,7 +31,7 @@ def listen(topic: str, take: Callable[[ByteArray], bool], limit: float) -> bool:
         limit: Longest time; an interrupt ends it as well.
 
     Raises:
-        BadPicture: A picture is of a kind that is not read, or none came at all.
+        BadPicture: A picture is of a kind that is not read, none came at all, or no topic can have that name.
     """
     waiting: list[Any] = []
     rclpy.init(args=["calibrate"])
@@ -38,15 +39,22 @@ def listen(topic: str, take: Callable[[ByteArray], bool], limit: float) -> bool:
     executor = SingleThreadedExecutor()
     executor.add_node(node)
     kind = CompressedImage if topic.endswith("/compressed") else Image
-    node.create_subscription(kind, topic, lambda message: waiting.__setitem__(slice(None), [message]), NEWEST)
-    end, some = time.monotonic() + limit, False
+    some = False
     try:
+        node.create_subscription(
+            kind, topic, lambda message: waiting.__setitem__(slice(None), [message]), NEWEST
+        )
+        end = time.monotonic() + limit
         while time.monotonic() < end:
             executor.spin_once(timeout_sec=PERIOD)
             if waiting:
                 some = True
                 if take(picture_of(waiting.pop())):
                     return True
+    except InvalidTopicNameException as error:
+        raise BadPicture(
+            f"{topic!r} is no name of a topic, allowed are letters, digits, _ and /; give one such as camera/image_raw"
+        ) from error
     except KeyboardInterrupt:
         return False
     finally:

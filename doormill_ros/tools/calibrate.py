@@ -6,6 +6,7 @@ Lengths on the command line and in the list of moves are millimetres.
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from collections.abc import Callable
 from functools import partial
@@ -26,9 +27,10 @@ from doormill_ros.localization.picture_file import read_picture
 from doormill_ros.resources import resource
 from doormill_ros.tools.calibration.boards import Stream, intrinsics
 from doormill_ros.tools.calibration.doors import Shutter, check, extrinsics
-from doormill_ros.tools.calibration.empty import empty
+from doormill_ros.tools.calibration.empty import COUNT, empty
 from doormill_ros.tools.calibration.exchange import from_ros, put_back, to_ros
-from doormill_ros.units import m_to_mm, mm_to_m
+from doormill_ros.tools.command_line import written_over
+from doormill_ros.units import m_to_mm
 
 MOST_RADIAL = 1e6  # what was ever printed of a lens is far below
 
@@ -44,6 +46,14 @@ def main(argv: list[str] | None = None) -> int:
             f"calibration: {len(arguments.radial)} coefficients were given, allowed are three (k1 k2 k3) or none "
             "for those of the camera file\n",
         )
+    given = vars(arguments)
+    wrong = written_over(
+        [given[name] for name in ("out", "coverage") if given.get(name) is not None],
+        [*given.get("pictures", ()), *([given["moves"]] if "moves" in given else ())],
+    )
+    if wrong:
+        sys.stderr.write(f"calibration: {wrong}\n")
+        return 2
     try:
         arguments.status = 0
         lines = arguments.run(arguments)
@@ -64,17 +74,29 @@ def _empty(arguments: argparse.Namespace) -> list[str]:
 
 def _stream(arguments: argparse.Namespace) -> Stream | None:
     """The pictures of the topic; None where files were given."""
+    if arguments.topic is not None and arguments.pictures:
+        raise BadCalibrationFile(
+            f"{len(arguments.pictures)} pictures and the topic {arguments.topic} were given, allowed is one of both; "
+            "leave the files or --topic out"
+        )
     if arguments.topic is not None:
         return partial(_listen, arguments)
     if not arguments.pictures:
         raise BadCalibrationFile(
             "neither pictures nor a topic were given; give files, or --topic camera/image_raw"
         )
+    for option in ("save", "count"):
+        if getattr(arguments, option, None) is not None:
+            raise BadCalibrationFile(
+                f"--{option} was given with files, allowed is that with --topic; leave it out"
+            )
     return None
 
 
 def _extrinsics(arguments: argparse.Namespace) -> list[str]:
-    return extrinsics(arguments, _shutter(arguments))
+    lines, passed = extrinsics(arguments, _shutter(arguments))
+    arguments.status = 0 if passed else 1
+    return lines
 
 
 def _check(arguments: argparse.Namespace) -> list[str]:
@@ -112,7 +134,7 @@ def _shutter(arguments: argparse.Namespace) -> Shutter | None:
 
 def _marks(arguments: argparse.Namespace) -> list[str]:
     pictures = [read_picture(path) for path in arguments.pictures]
-    found = measure_marks(pictures, load_camera(arguments.camera), mm_to_m(arguments.width))
+    found = measure_marks(pictures, load_camera(arguments.camera))
     before = write_document(with_marks(read_document(arguments.camera), found), arguments.out)
     lines = [
         f"mark {i + 1}: y = {m_to_mm(y):.3f} mm at a door width of zero, z = {m_to_mm(z):.3f} mm, "
@@ -174,9 +196,6 @@ def _parser() -> argparse.ArgumentParser:
         )
     marks = commands.add_parser("marks", help="places of the cell's marks, by the calibrated camera")
     marks.add_argument("pictures", nargs="+", type=Path)
-    marks.add_argument(
-        "--width", type=float, required=True, help="door width for which the slider stands [mm]"
-    )
     marks.set_defaults(run=_marks)
 
     bare = commands.add_parser("empty", help="picture of the empty clamp, to tell its parts from a door")
@@ -184,7 +203,7 @@ def _parser() -> argparse.ArgumentParser:
     bare.add_argument(
         "--width", type=float, required=True, help="door width for which the slider stands [mm]"
     )
-    bare.add_argument("--count", type=int, default=5, help="pictures to take from the topic")
+    bare.add_argument("--count", type=int, help=f"pictures to take from the topic; {COUNT} unless given")
     bare.add_argument(
         "--sure", action="store_true", help="the clamp is empty, though a part of it looks like a door"
     )
@@ -194,6 +213,8 @@ def _parser() -> argparse.ArgumentParser:
     lens.add_argument(
         "radial", nargs="*", type=float, help="k1 k2 k3; those of the camera file when left out"
     )
+    # Python's own, before 3.14, takes -1e-3 for an option.
+    lens._negative_number_matcher = re.compile(r"-(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$")
     lens.set_defaults(run=_lens)
 
     export = commands.add_parser("export", help="intrinsics as ROS' camera_calibration writes them")

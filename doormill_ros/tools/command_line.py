@@ -5,12 +5,15 @@ from __future__ import annotations
 import argparse
 import getpass
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import NoReturn
 
 from rich.console import Console
 from rich.progress import Progress
+
+from doormill_ros.files import is_same
 
 
 class OneLineParser(argparse.ArgumentParser):
@@ -29,6 +32,17 @@ def add_database(parser: argparse.ArgumentParser, variable: str) -> None:
         help="sqlite:///FILE, a file name, or postgresql://USER:PASSWORD@HOST/NAME; "
         f"default is ${variable}, else a SQLite file in the site's folder",
     )
+
+
+def written_over(outputs: Iterable[Path], inputs: Iterable[Path]) -> str:
+    """What to say of an output that is one of the inputs, or another output too; empty where none is."""
+    known = [(path, "is read as well") for path in inputs]
+    for path in outputs:
+        for other, what in known:
+            if is_same(path, other):
+                return f"{path} is to be written and {what}, allowed is a file of its own; give another name"
+        known.append((path, "is named twice for that"))
+    return ""
 
 
 def user_name() -> str:

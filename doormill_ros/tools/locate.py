@@ -40,7 +40,7 @@ from doormill_ros.localization.settings import load_settings
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.recipes.door import DoorSize
 from doormill_ros.resources import resource
-from doormill_ros.tools.command_line import OneLineParser
+from doormill_ros.tools.command_line import OneLineParser, written_over
 from doormill_ros.units import m_to_mm, mm_to_m, rad_to_deg
 
 SCHEMA = "doormill/located-doors/1"
@@ -75,7 +75,26 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
         top.error("--config was given without --sensor; name the sensor that it is of")
     if arguments.sensor is not None and (arguments.camera is not None or arguments.overlay is not None):
         top.error("--camera and --overlay are for the cell's own localizer; leave them or --sensor out")
+    if arguments.overlay is not None and not arguments.overlay.name:
+        top.error(f"--overlay {arguments.overlay} is a folder, allowed is the name of a picture; give one")
+    overlays = [] if arguments.overlay is None else _overlays(arguments.overlay, len(arguments.files))
+    door_file = [Path(arguments.door)] if arguments.door is not None and Path(arguments.door).suffix else []
+    wrong = written_over(
+        [path for path in (arguments.json, *overlays) if path is not None],
+        [
+            path
+            for path in (*arguments.files, arguments.camera, arguments.config, *door_file)
+            if path is not None
+        ],
+    )
+    if wrong:
+        top.error(wrong)
     return arguments
+
+
+def _overlays(out: Path, count: int) -> list[Path]:
+    """Where the drawings of `count` pictures go."""
+    return [out] if count == 1 else [out.with_stem(f"{out.stem}-{i + 1}") for i in range(count)]
 
 
 def _length(text: str) -> float:
@@ -253,7 +272,7 @@ def _named(names: tuple[str, ...], values: FloatArray) -> dict[str, float]:
 def _draw(out: Path | None, located: Located) -> None:
     if out is None:
         return
-    for i, (reading, door) in enumerate(located):
+    for path, (reading, door) in zip(_overlays(out, len(located)), located, strict=True):
         picture = np.asarray(reading.value)
         if isinstance(door, LocalizationError):
             drawn = draw_refusal(picture, door)
@@ -261,7 +280,7 @@ def _draw(out: Path | None, located: Located) -> None:
             drawn = draw_overlay(picture, door.localization)
         else:
             continue
-        write_picture(drawn, out if len(located) == 1 else out.with_stem(f"{out.stem}-{i + 1}"))
+        write_picture(drawn, path)
 
 
 if __name__ == "__main__":

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import errno
 import io
+import os
 from pathlib import Path
 from types import SimpleNamespace as Message
 
@@ -11,7 +13,7 @@ import pytest
 from PIL import Image
 
 from doormill_ros.localization.errors import BadPicture
-from doormill_ros.localization.picture_file import read_picture
+from doormill_ros.localization.picture_file import read_picture, write_picture
 from doormill_ros.messages.picture import picture_of
 
 
@@ -70,3 +72,20 @@ def test_where_no_file_is_no_picture_is_read(tmp_path: Path) -> None:
         read_picture(tmp_path / "none.png")
     with pytest.raises(BadPicture, match="no picture that can be read"):
         read_picture(tmp_path)
+
+
+def test_a_picture_that_cannot_be_put_in_place_leaves_the_one_before(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "a.png"
+    write_picture(np.full((20, 30, 3), 90, np.uint8), path)
+    before = path.read_bytes()
+
+    def full(_source: Path, _target: Path) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(os, "replace", full)
+    with pytest.raises(OSError, match="No space left"):
+        write_picture(np.zeros((40, 60, 3), np.uint8), path)
+    assert path.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [path]

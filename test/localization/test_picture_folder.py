@@ -14,6 +14,7 @@ def test_files_come_in_order_and_once_and_later_ones_too(tmp_path: Path) -> None
     folder = PictureFolder(tmp_path / "pictures")
     assert folder.take() is None
     folder.path.mkdir()
+    (folder.path / "door3.png").mkdir()
     for name in ("door10.png", "door9.JPG", "door2.jpeg", "notes.txt", ".door1.png"):
         (folder.path / name).write_bytes(name.encode())
     assert [folder.take().name for _ in range(3)] == ["door2.jpeg", "door9.JPG", "door10.png"]

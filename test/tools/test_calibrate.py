@@ -6,14 +6,16 @@ import pytest
 import yaml
 
 from doormill_ros.cell.layout import load_layout
+from doormill_ros.localization.calibration.board_view import BoardPicture
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.picture_file import write_picture
 from doormill_ros.localization.settings import load_settings
 from doormill_ros.simulation.picture.scene import Sensor
 from doormill_ros.simulation.sensors.axis_vision import AxisVisionRig
 from doormill_ros.tools.calibrate import main
+from doormill_ros.tools.calibration import boards
 from support.pictures.chessboard import render_chessboard
-from support.pictures.chessboard_corners import CAMERA, SIZE, TRUE_K, views
+from support.pictures.chessboard_corners import CAMERA, SIZE, TRUE_K, held_upright, views
 
 
 def test_chessboards_become_a_camera_file(tmp_path, capsys):
@@ -102,6 +104,8 @@ def test_the_lens_of_the_thesis_is_told_off(capsys):
     assert "has no ray" in capsys.readouterr().out
     assert main(["lens"]) == 0
     assert "has no ray" not in capsys.readouterr().out
+    assert main(["lens", "-0.1", "5e-2", "-1e-3"]) == 0
+    assert "a ray to the corner is moved by -39 px" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(
@@ -122,6 +126,7 @@ def test_coefficients_that_are_no_numbers_of_a_lens_are_refused(radial, capsys):
         (["--square", "25", "--board", "9", "2"], "a board of 9 x 2 inner corners"),
         (["--square", "25", "--board", "-9", "6"], "a board of -9 x 6 inner corners"),
         (["--square", "25", "--board", "1000000", "1000000"], "a board of 1000000 x 1000000 inner corners"),
+        (["--square", "25", "--board", "7", "7"], "a board of 7 x 7 inner corners"),
         (["--square", "-25"], "squares of -25 mm"),
         (["--square", "0"], "squares of 0 mm"),
         (["--square", "nan"], "squares of nan mm"),
@@ -152,3 +157,17 @@ def test_bad_input_is_told_in_one_sentence(tmp_path, capsys):
     ):
         assert main(arguments) == 2
         assert capsys.readouterr().err.startswith("calibration: ")
+
+
+def test_a_lens_of_which_the_corner_is_open_is_not_written(tmp_path, monkeypatch, capsys):
+    """Three radial coefficients from boards near the middle; as files their corners would take long to render."""
+    square = np.array([[1700.0, 0.0, 950.0], [0.0, 1700.0, 520.0], [0.0, 0.0, 1.0]])
+    seen = [
+        BoardPicture(f"{i}.png", c) for i, c in enumerate(held_upright(19, 2, square, distance=(0.8, 1.6)))
+    ]
+    monkeypatch.setattr(boards, "_from_files", lambda *_: (seen, (1920, 1080)))
+    out = tmp_path / "out.yaml"
+    command = ["intrinsics", "0.png", "--square", "20", "--radial", "3", "--out", str(out)]
+    assert main(command) == 2
+    assert "leave open where a ray to the picture's corner lands" in capsys.readouterr().err
+    assert not out.exists()

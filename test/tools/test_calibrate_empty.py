@@ -86,7 +86,15 @@ def test_the_localizer_uses_it(tmp_path, files, capsys):
         (["door", "--width", "826"], "what looks like the corner of a door stands at u = "),
         (["empty", "--width", "9"], "a door of 9 mm, allowed are 100 to 3000 mm"),
         (["--width", "826"], "neither pictures nor a topic were given"),
-        (["empty", "--width", "826", "--count", "0"], "0 pictures are asked for, allowed are 1 to 100"),
+        (
+            ["--width", "826", "--topic", "/a", "--count", "0"],
+            "0 pictures are asked for, allowed are 1 to 100",
+        ),
+        (["empty", "--width", "826", "--count", "3"], "--count was given with files"),
+        (
+            ["empty", "--width", "826", "--topic", "/a", "--wait", "1"],
+            "1 pictures and the topic /a were given",
+        ),
     ],
 )
 def test_a_refusal_is_one_sentence_and_writes_nothing(arguments, said, tmp_path, files, capsys):

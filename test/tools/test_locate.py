@@ -69,6 +69,12 @@ def test_the_example_of_the_page_comes_out(pictures, capsys):
     assert (code, err) == (0, "")
     # Its last digits are the machine's; the refusal has none of those.
     assert without_digits(out) == without_digits(printed[0])
+    found, shown = (
+        [float(x) for line in text.splitlines() if "+-" in line for x in re.findall(r"[-+]?\d+\.\d+", line)]
+        for text in (out, printed[0])
+    )
+    assert len(found) == 18
+    assert found == pytest.approx(shown, abs=5e-4)
     assert [x for x in out.splitlines() if "refused" in x] == [
         x for x in printed[0].splitlines() if "refused" in x
     ]
@@ -268,3 +274,35 @@ def test_a_reading_that_is_wrong_is_told_with_its_place(tmp_path, capsys):
     (tmp_path / "d.yaml").write_text("distances_mm: [[1, 2, 3], [1, near, 3]]\n")
     err = run(capsys, *SIZE, "--sensor", "photoelectric", tmp_path / "d.yaml")[2]
     assert "d.yaml: distances_mm.1.1 is 'near', allowed is a number of millimetres, .nan for" in err
+
+
+@pytest.mark.parametrize(
+    ("files", "options"),
+    [
+        (["in.png"], ["--overlay", "in.png"]),
+        (["in.png"], ["--json", "in.png"]),
+        (["in.png"], ["--json", "linked.png"]),
+        (["in.png", "in-1.png"], ["--overlay", "in.png"]),
+        (["in.png"], ["--json", "out.png", "--overlay", "out.png"]),
+    ],
+)
+def test_what_is_read_is_not_written_over(files, options, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    for name in ("in.png", "in-1.png"):
+        cv2.imwrite(name, np.full((48, 64), 90, np.uint8))
+    (tmp_path / "linked.png").symlink_to(tmp_path / "in.png")
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    code, out, err = run(capsys, *SIZE, *files, *options)
+    assert (code, out) == (2, "")
+    assert "is to be written and is " in err
+    assert err.count("\n") == 1
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+@pytest.mark.parametrize("option", ["--json", "--overlay"])
+def test_a_folder_as_an_output_is_told(option, pictures, capsys):
+    for files in (["1"], ["1", "2"]):
+        code, out, err = run(capsys, *SIZE, *(pictures / f"{n}.png" for n in files), option, ".")
+        assert (code, out) == (2, "")
+        assert err.startswith("locate: ")
+        assert err.count("\n") == 1

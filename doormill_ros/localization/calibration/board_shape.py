@@ -8,6 +8,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.localization.calibration.chessboard import Chessboard
+from doormill_ros.localization.calibration.errors import BadCalibrationFile
 
 # Standard deviations expected of a board before a picture was taken: what printers and cardboard do.
 STRETCH = 3e-3  # of one axis against the other, and of the angle between them [rad]
@@ -37,9 +38,12 @@ class ShapeModel:
 def shape_model(board: Chessboard) -> ShapeModel:
     """Parameters that pictures of `board` can tell.
 
-    Corners of a board that looks alike turned by half are numbered from either end: it has even parameters only. One
-    with as many rows as columns looks alike turned by a quarter and has none: its shape is left to the scatter.
+    Corners of a board that looks alike turned by half are numbered from either end: it has even parameters only.
+
+    Raises:
+        BadCalibrationFile: It is square.
     """
+    refuse_square(board)
     points = board.points()
     points = points - points.mean(axis=0)
     half = float(np.abs(points).max())
@@ -47,19 +51,34 @@ def shape_model(board: Chessboard) -> ShapeModel:
     flat = np.zeros_like(points)
     columns: list[FloatArray] = []
     expected: list[float] = []
-    if board.columns != board.rows:
-        for across, along in ((1, points[:, 1]), (0, points[:, 1])):
-            moved = flat.copy()
-            moved[:, across] = along
-            columns.append(moved)
-            expected.append(STRETCH)
-        for order in (2, 3, 4) if board.has_one_way_up else (2, 4):
-            for i in range(order + 1):
-                raised = flat.copy()
-                raised[:, 2] = half * x ** (order - i) * y**i
-                columns.append(raised)
-                expected.append(_BOW if order == 2 else _WAVE)
-    return ShapeModel(points, np.array(columns).reshape(-1, *points.shape), np.array(expected))
+    for across, along in ((1, points[:, 1]), (0, points[:, 1])):
+        moved = flat.copy()
+        moved[:, across] = along
+        columns.append(moved)
+        expected.append(STRETCH)
+    for order in (2, 3, 4) if board.has_one_way_up else (2, 4):
+        for i in range(order + 1):
+            raised = flat.copy()
+            raised[:, 2] = half * x ** (order - i) * y**i
+            columns.append(raised)
+            expected.append(_BOW if order == 2 else _WAVE)
+    return ShapeModel(points, np.array(columns), np.array(expected))
+
+
+def refuse_square(board: Chessboard) -> None:
+    """Refuse a board that looks alike turned by a quarter: its corners are numbered from any of them.
+
+    Which way it is bowed or stretched then cannot be told from pictures, and no scatter between them shows it.
+
+    Raises:
+        BadCalibrationFile: It has as many rows as columns.
+    """
+    if board.columns == board.rows:
+        raise BadCalibrationFile(
+            f"a board of {board.columns} x {board.rows} inner corners is given, allowed is one with more columns than "
+            "rows or the other way round: turned by a quarter a square one looks alike, and its bow goes into the "
+            f"focal length unseen; print one of {board.columns + 1} x {board.rows}"
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,8 +100,6 @@ class BoardShape:
 
 def board_shape(model: ShapeModel, parameters: FloatArray, covariance: FloatArray) -> BoardShape:
     """Read parameters (m,) and their covariance (m, m)."""
-    if not len(parameters):
-        return BoardShape(0.0, np.inf, 0.0, np.inf)
     plane = np.column_stack([model.points[:, :2], np.ones(len(model.points))])
     by_height = model.by_parameter[:, :, 2].T
     by_height = by_height - plane @ np.linalg.lstsq(plane, by_height, rcond=None)[0]

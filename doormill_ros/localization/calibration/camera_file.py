@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import yaml
+from pydantic_core import PydanticCustomError
 
 from doormill_ros import config
 from doormill_ros.arrays import FloatArray
@@ -19,7 +20,14 @@ from doormill_ros.localization.calibration.intrinsics import Intrinsics
 from doormill_ros.localization.calibration.kept import keep
 from doormill_ros.localization.calibration.mark_places import MarkPlaces
 from doormill_ros.localization.calibration.ros_file import RosIntrinsics
+from doormill_ros.localization.camera import CameraModel, camera_of
 from doormill_ros.localization.empty_clamp import SAME_WIDTH, EmptyClampEntry
+from doormill_ros.localization.settings import LocalizerSettings, settings_of, shipped_settings
+from doormill_ros.values import Array
+from doormill_ros.yaml_text import parse
+
+_ROUNDING = 1e-9  # of the largest variance, px^2
+_LARGEST = 1e6  # px^2
 
 
 def read_document(path: Path) -> dict[str, Any]:
@@ -43,8 +51,15 @@ def _with_paths(document: dict[str, Any], changed: Callable[[str], str]) -> dict
 
 
 def with_intrinsics(document: dict[str, Any], found: Intrinsics, names: list[str]) -> dict[str, Any]:
-    """A camera document with the intrinsics replaced; `names` are those of the pictures."""
-    return document | {
+    """A camera document with the intrinsics replaced, their deviation told to the localizer.
+
+    Args:
+        document: The file to start from.
+        found: The calibration.
+        names: Those of its pictures, in its order.
+    """
+    shares = found.k_deviation[:2] / found.k[[0, 1], [0, 1]]
+    return _with_lens_deviation(document, float(shares.max())) | {
         "size": list(found.size),
         "intrinsics": {"measured": True, "k": _plain(found.k), "deviation": _plain(found.k_deviation)},
         "distortion": {
@@ -72,8 +87,13 @@ def with_intrinsics(document: dict[str, Any], found: Intrinsics, names: list[str
 
 
 def with_ros_intrinsics(document: dict[str, Any], found: RosIntrinsics) -> dict[str, Any]:
-    """A camera document with the intrinsics of a ROS file, which does not say how sure they are."""
-    changed = document | {
+    """A camera document with the intrinsics of a ROS file, which does not say how sure they are.
+
+    What a calibration of ours said of another lens does not hold for this one: it is at least as unsure as the shipped.
+    """
+    own = settings_of(document, "the camera file").lens_deviation if "localizer" in document else 0.0
+    unsure = max(own, shipped_settings().lens_deviation)
+    changed = _with_lens_deviation(document, unsure) | {
         "size": list(found.size),
         "intrinsics": {"measured": True, "k": _plain(found.k)},
         "distortion": {"measured": True, "coefficients": _plain(found.distortion)},
@@ -82,18 +102,45 @@ def with_ros_intrinsics(document: dict[str, Any], found: RosIntrinsics) -> dict[
     return changed
 
 
-def lens_covariance(document: dict[str, Any]) -> FloatArray:
-    """Covariance of fx, fy, cx, cy [px] and the five distortion coefficients, shape (9, 9), of a camera document.
+def _with_lens_deviation(document: dict[str, Any], share: float) -> dict[str, Any]:
+    if not isinstance(document.get("localizer"), dict):
+        return document
+    return document | {"localizer": document["localizer"] | {"lens_deviation": share}}
+
+
+def lens_covariance(document: dict[str, Any], camera: CameraModel, settings: LocalizerSettings) -> FloatArray:
+    """Covariance of fx, fy, cx, cy [px] and the five distortion coefficients, shape (9, 9).
 
     Without a calibration of ours it is a focal length off by the localiser's `lens_deviation`, alike along both axes.
+
+    Args:
+        document: That of the camera file.
+        camera: The same, read.
+        settings: Of the same file.
+
+    Raises:
+        BadCalibrationFile: `chessboard.covariance` is none.
     """
-    covariance = np.array((document.get("chessboard") or {}).get("covariance", []), dtype=float)
-    if covariance.shape == (9, 9) and np.all(np.isfinite(covariance)):
-        return covariance
-    k = np.array(document["intrinsics"]["k"], dtype=float)
-    off = np.zeros(9)
-    off[:2] = (document.get("localizer") or {}).get("lens_deviation", 0.0) * k[[0, 1], [0, 1]]
-    return np.outer(off, off)
+    chessboard = document.get("chessboard")
+    given = chessboard.get("covariance") if isinstance(chessboard, dict) else chessboard
+    if given is None:
+        off = np.zeros(9)
+        off[:2] = settings.lens_deviation * camera.k[[0, 1], [0, 1]]
+        return np.outer(off, off)
+    try:
+        covariance: FloatArray = Array((9, 9)).check(given)
+        variances = np.linalg.eigvalsh(covariance)
+    except (PydanticCustomError, np.linalg.LinAlgError):
+        covariance, variances = np.zeros((9, 9)), np.array([-1.0])
+    # Rounding leaves next to nothing below zero; coefficients that were held have exactly nothing.
+    if not (
+        np.allclose(covariance, covariance.T) and variances[0] >= -_ROUNDING * min(variances[-1], _LARGEST)
+    ):
+        raise BadCalibrationFile(
+            "chessboard.covariance of the camera file is no covariance, allowed is what calibrate intrinsics writes "
+            "there, 9 x 9 numbers; calibrate the lens again, or remove the section chessboard"
+        )
+    return covariance
 
 
 def with_mounting(document: dict[str, Any], found: Extrinsics) -> dict[str, Any]:
@@ -134,9 +181,11 @@ def with_empty_clamp(document: dict[str, Any], entry: EmptyClampEntry) -> dict[s
 def write_document(document: dict[str, Any], path: Path) -> Path | None:
     """Write a camera document; what the file held before is kept, and where is returned.
 
-    Pictures below its folder are named from there, so that the folder can be moved.
+    Pictures below its folder are named from there, so that the folder can be moved. The text is read back before it
+    is put in place.
 
     Raises:
+        BadCameraFile: What would be written is read by nothing; the file is as it was.
         OSError: It cannot be kept or written; the file is as it was.
     """
     folder = path.parent.absolute()
@@ -145,9 +194,19 @@ def write_document(document: dict[str, Any], path: Path) -> Path | None:
         return str(Path(picture).relative_to(folder)) if Path(picture).is_relative_to(folder) else picture
 
     document = _with_paths(document, named)
+    text = yaml.safe_dump(document, sort_keys=False, default_flow_style=None)
+    again, name = parse(text), unwritten(path)
+    camera_of(again, name, path.parent)
+    if "localizer" in document:
+        settings_of(again, name)
     before = keep(path)
-    write_atomically(path, yaml.safe_dump(document, sort_keys=False, default_flow_style=None))
+    write_atomically(path, text)
     return before
+
+
+def unwritten(path: Path) -> str:
+    """What messages call a document that was about to become `path`."""
+    return f"{path}, which is not written,"
 
 
 def _plain(values: FloatArray) -> list[float] | list[list[float]]:

@@ -8,6 +8,7 @@ speaks: the camera is put where the rays of all edges, moved as they were, fit b
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -16,13 +17,15 @@ from doormill_ros.cell.layout import CellLayout
 from doormill_ros.frames import transform, vector_from_rotation
 from doormill_ros.localization.calibration.errors import PoorlySpread, TooFewPictures
 from doormill_ros.localization.calibration.lens_share import by_lens, door_deviation
+from doormill_ros.localization.calibration.move_test import check_moves
 from doormill_ros.localization.calibration.moved_door import MovedDoor, SeenDoor
 from doormill_ros.localization.calibration.thesis_scale import thesis_scale
 from doormill_ros.localization.camera import R_BASE_CAMERA_NOMINAL, CameraModel
+from doormill_ros.localization.checks import check_size
 from doormill_ros.localization.sensors.corner_edges import PictureQuality, find_corner_edges
 from doormill_ros.localization.sensors.edge_rays import depth, miss
 from doormill_ros.localization.sensors.errors import SensorError
-from doormill_ros.localization.sensors.fit import Linearised, fit_pose
+from doormill_ros.localization.sensors.fit import Linearised, check_agreement, solve_pose
 
 _FEWEST = 3
 APART = 0.03  #: Difference of two doors' thickness from which they count as different [m]
@@ -93,7 +96,7 @@ def calibrate_extrinsics(
     quality: PictureQuality,
     knowledge: Knowledge | None = None,
 ) -> Extrinsics:
-    """Find the camera's mounting; its intrinsics are taken as they are.
+    """Find the mounting that fits the camera's intrinsics as they are; what these may be off is in the covariance.
 
     Args:
         moved: The pictures; the reference place is the nominal place of `layout`.
@@ -104,23 +107,26 @@ def calibrate_extrinsics(
 
     Raises:
         TooFewPictures: Fewer than three.
+        CameraInfoSize: A picture has another size than the camera's.
         EdgeNotFound: A picture shows no edge.
-        PoorlySpread: The moves leave the mounting open, or do not fit the pictures.
+        PoorlySpread: The moves leave the mounting open, or one of them or all do not fit the pictures.
     """
     if len(moved) < _FEWEST:
         raise TooFewPictures(
             f"{len(moved)} pictures of the moved door, at least {_FEWEST} are needed: one in the reference "
             "place, one moved along y and one along z"
         )
+    for item in moved:
+        check_size(item.picture.shape[::-1], camera)
     looked = [_look(m, camera, layout, quality, i) for i, m in enumerate(moved)]
     # The slider goes with the width: the camera is solved for in a frame that goes with it too.
     reference = camera.T_base_camera(0.0)
     known = knowledge or Knowledge()
     lens = np.zeros((9, 9)) if known.lens is None else known.lens
     shares = _lens_shares(looked, camera)
-    covariance = _covariance(looked, camera, known) + shares @ lens @ shares.T
+    alone = _covariance(looked, camera, known)
 
-    def linearise(T_base_camera: FloatArray) -> Linearised:
+    def linearise(T_base_camera: FloatArray, covariance: FloatArray) -> Linearised:
         parts = [
             miss(item.T_base_door, _slide(T_base_camera, item.moved.door.width), e.axis, e.rays)
             for item in looked
@@ -130,27 +136,34 @@ def calibrate_extrinsics(
             -np.concatenate([p[0] for p in parts]), np.vstack([p[2] for p in parts]), covariance
         )
 
+    what = "edge points of the moved door"
     try:
-        fit = fit_pose(reference, linearise, "edge points of the moved door")
+        # Whether all fits together is judged as the lens is known: it may be off.
+        judged = partial(linearise, covariance=alone + shares @ lens @ shares.T)
+        fit = solve_pose(reference, judged, what)
+        check_moves(moved, _move_shares(looked, camera), judged(fit.T_base_door))
+        check_agreement(fit, what)
+        # The mounting goes into the file beside the lens that is there, not beside one that fits better.
+        as_filed = partial(linearise, covariance=alone)
+        own = solve_pose(fit.T_base_door, as_filed, what)
     except SensorError as error:
         raise PoorlySpread(f"{error.message}; check the list of moves against the pictures") from error
-    found = _mounted(camera, fit.T_base_door)
+    found = _mounted(camera, own.T_base_door)
     # What a lens that is off by one does to the mounting: the fit turns the camera until the edges agree again.
-    jacobian = linearise(fit.T_base_door).jacobian
-    by_one = -fit.covariance @ jacobian.T @ np.linalg.solve(covariance, shares)
-    own = fit.covariance - by_one @ lens @ by_one.T
+    jacobian = as_filed(own.T_base_door).jacobian
+    by_one = -own.covariance @ jacobian.T @ np.linalg.solve(alone, shares)
     pictured = {item.moved.door.thickness for item in looked}
     doors = [replace(looked[0].moved.door, thickness=t) for t in sorted(pictured | {_THINNEST, _THICKEST})]
     scales = [thesis_scale(looked, camera, found, axis) for axis in (1, 2)]
     return Extrinsics(
         camera=found,
-        covariance=fit.covariance,
+        covariance=own.covariance + by_one @ lens @ by_one.T,
         chi_square=fit.chi_square,
         redundancy=fit.redundancy,
         scale=(scales[0][0], scales[1][0]),
         model_scale=(scales[0][1], scales[1][1]),
         door_deviation={
-            door.thickness: door_deviation(looked[0].edges, door, found, layout, own, by_one, lens)
+            door.thickness: door_deviation(looked[0].edges, door, found, layout, own.covariance, by_one, lens)
             for door in doors
         },
         thicknesses=tuple(sorted(pictured)),
@@ -215,6 +228,18 @@ def _covariance(looked: list[SeenDoor], camera: CameraModel, known: Knowledge) -
     place *= np.repeat([known.place, known.turn], 3)
     out += np.outer(nearer, nearer) * (door[:, None] == door)
     return out + place @ place.T + known.move**2 * step @ step.T
+
+
+def _move_shares(looked: list[SeenDoor], camera: CameraModel) -> FloatArray:
+    """What a shift of each picture's door along base x, y, z does to all misses, shape (n, pictures, 3)."""
+    parts = []
+    for i, item in enumerate(looked):
+        T_base_camera = camera.T_base_camera(item.moved.door.width)
+        for e in item.edges:
+            part = np.zeros((len(e.rays), len(looked), 3))
+            part[:, i] = miss(item.T_base_door, T_base_camera, e.axis, e.rays)[1][:, :3]
+            parts.append(part)
+    return np.concatenate(parts)
 
 
 def _lens_shares(looked: list[SeenDoor], camera: CameraModel) -> FloatArray:

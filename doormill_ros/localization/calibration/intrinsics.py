@@ -70,9 +70,11 @@ def calibrate_intrinsics(
         radial: How many radial coefficients to fit, 1 to 3; the others stay 0.
 
     Raises:
+        BadCalibrationFile: The board is square.
         TooFewPictures: Fewer than six pictures are usable.
         PoorlySpread: The pictures do not determine the camera.
     """
+    model = shape_model(board)
     points = board.points().astype(np.float32)
     used = np.array([c is not None for c in corners])
     while True:
@@ -90,7 +92,6 @@ def calibrate_intrinsics(
         if errors[worst] <= max(centre + _BAD * scatter, _LEAST_BAD * centre):
             break
         used[np.flatnonzero(used)[worst]] = False
-    model = shape_model(board)
     bundle = _bundle(fit, seen, model, radial)
     deviation = np.sqrt(np.diag(bundle.covariance))
     k, distortion = _camera(bundle.camera)
@@ -117,6 +118,26 @@ def calibrate_intrinsics(
         error=bundle.error,
         covered=float(np.linalg.norm(rays, axis=1).max()),
     )
+
+
+def check_corner(found: Intrinsics) -> None:
+    """Refuse a lens whose distortion was seen so near the middle that it leaves the picture's corner open.
+
+    Raises:
+        PoorlySpread: The place of a ray to the corner is uncertain by more than what is allowed of the focal length.
+    """
+    width, height = found.size
+    corners = np.array([[0, 0], [width, 0], [0, height], [width, height]], dtype=float)
+    rays = np.column_stack([(corners - found.k[:2, 2]) / found.k[[0, 1], [0, 1]], np.ones(4)])
+    nowhere = np.zeros(3)
+    by_lens = cv2.projectPoints(rays, nowhere, nowhere, found.k, found.distortion)[1][:, 6:15]
+    variances = np.einsum("ij,jk,ik->i", by_lens, found.covariance, by_lens)
+    deviation, most = float(np.sqrt(variances.max())), _MAX_DEVIATION * float(found.k[0, 0])
+    if not deviation <= most:
+        raise PoorlySpread(
+            f"the pictures leave open where a ray to the picture's corner lands, by {deviation:.0f} px, allowed are "
+            f"{most:.0f} px; show the board in the corners, or fit fewer radial coefficients with --radial"
+        )
 
 
 def _fit(

@@ -5,6 +5,7 @@ Those of `camera.yaml` stand in the folder `camera.yaml.kept` beside it as 001.y
 
 from __future__ import annotations
 
+import errno
 from pathlib import Path
 
 from doormill_ros.files import write_atomically
@@ -12,25 +13,34 @@ from doormill_ros.localization.calibration.errors import NothingKept
 from doormill_ros.localization.camera import load_camera
 
 
-def kept(path: Path) -> list[Path]:
-    """What is kept of a camera file, the oldest first."""
-    return sorted(p for p in _folder(path).glob("*.yaml") if p.stem.isdecimal())
+def kept(path: Path, suffix: str = ".yaml") -> list[Path]:
+    """What is kept of a file under names with that suffix, the oldest first.
+
+    Raises:
+        OSError: The path is no name of a file.
+    """
+    found = [p for p in _folder(path).glob(f"*{suffix}") if p.stem.isdecimal()]
+    return sorted(found, key=lambda p: int(p.stem))
 
 
-def keep(path: Path) -> Path | None:
+def keep(path: Path, suffix: str = ".yaml") -> Path | None:
     """Keep what a file holds now; None when there is nothing, or when the newest kept one holds the same.
+
+    Args:
+        path: The file.
+        suffix: Of the name under which it is kept.
 
     Raises:
         OSError: It cannot be kept.
     """
     if not path.exists():
         return None
-    content, before = path.read_bytes(), kept(path)
+    content, before = path.read_bytes(), kept(path, suffix)
     if before and before[-1].read_bytes() == content:
         return None
     number = int(before[-1].stem) + 1 if before else 1
     _folder(path).mkdir(exist_ok=True)
-    copy = _folder(path) / f"{number:03d}.yaml"
+    copy = _folder(path) / f"{number:03d}{suffix}"
     write_atomically(copy, content, durable=True)
     return copy
 
@@ -61,4 +71,6 @@ def restore(path: Path, number: int | None = None) -> Path:
 
 
 def _folder(path: Path) -> Path:
+    if not path.name:
+        raise IsADirectoryError(errno.EISDIR, "a folder, allowed is the name of a file", str(path))
     return path.with_name(f"{path.name}.kept")

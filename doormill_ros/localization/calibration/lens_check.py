@@ -8,7 +8,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 
-_NODES = 60  # grid points along the shorter side of the picture
+_NODES, _MOST_NODES = 60, 600  # grid points along the picture's height, and at most along its width
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ def check_lens(k: FloatArray, size: tuple[int, int], radial: tuple[float, float,
     reach = float(distorted_radius(fold, radial)) if np.isfinite(fold) else float("inf")
     v, u = np.meshgrid(
         np.linspace(0, size[1] - 1, _NODES),
-        np.linspace(0, size[0] - 1, _NODES * size[0] // size[1]),
+        np.linspace(0, size[0] - 1, min(max(_NODES * size[0] // size[1], 2), _MOST_NODES)),
         indexing="ij",
     )
     r = np.hypot((u - k[0, 2]) / k[0, 0], (v - k[1, 2]) / k[1, 1])

@@ -31,13 +31,12 @@ class MarkPlaces:
     deviation: float
 
 
-def measure_marks(pictures: Sequence[ByteArray], camera: CameraModel, width: float) -> MarkPlaces:
-    """Put the marks of a camera file where pictures show them.
+def measure_marks(pictures: Sequence[ByteArray], camera: CameraModel) -> MarkPlaces:
+    """Put the marks of a camera file where pictures show them, wherever the slider stood: they go with it.
 
     Args:
         pictures: Grey pictures, shape (h, w), uint8; best without a door.
         camera: The calibrated camera with marks within one and a half radii of their places.
-        width: Door width for which the slider stands [m].
 
     Raises:
         BadCalibrationFile: The file has no marks.
@@ -50,9 +49,9 @@ def measure_marks(pictures: Sequence[ByteArray], camera: CameraModel, width: flo
         )
     for picture in pictures:
         check_size(picture.shape[::-1], camera)
-    centres = camera.marks.centres(width)
-    expected = camera.project(centres, width)
-    rims = camera.project(centres + np.array([0.0, camera.marks.radius, 0.0]), width)
+    centres = camera.marks.centres(0.0)
+    expected = camera.project(centres, 0.0)
+    rims = camera.project(centres + np.array([0.0, camera.marks.radius, 0.0]), 0.0)
     radii = np.linalg.norm(rims - expected, axis=1)
     seen = np.stack([find_marks(picture, expected, radii) for picture in pictures])
     count = np.isfinite(seen[..., 0]).sum(axis=0)
@@ -62,7 +61,7 @@ def measure_marks(pictures: Sequence[ByteArray], camera: CameraModel, width: flo
             f"mark {rare + 1} of {len(centres)} is seen in {count[rare]} of {len(pictures)} pictures, 2 are needed; "
             "take pictures without a door, correct its place to 2 mm, or remove it from the file"
         )
-    T_base_camera = camera.T_base_camera(width)
+    T_base_camera = camera.T_base_camera(0.0)
     rays = np.full((*seen.shape[:2], 3), np.nan)
     there = np.isfinite(seen[..., 0])
     rays[there] = (
@@ -73,7 +72,7 @@ def measure_marks(pictures: Sequence[ByteArray], camera: CameraModel, width: flo
     places = np.nanmean(points, axis=0)
     spread = np.nanstd(points, axis=0, ddof=1) / np.sqrt(count)[:, None]
     return MarkPlaces(
-        places + np.array([width / 2.0, 0.0]),
+        places,
         np.linalg.norm(places - centres[:, 1:], axis=1),
         float(np.hypot(_FINEST, np.sqrt(np.mean(spread**2)))),
     )

@@ -71,8 +71,17 @@ def scale_tests(
     # A move may leave the range in which doors are milled.
     limits = layout.limits
     wide = replace(layout, limits=replace(limits, y=limits.y + _ROOM, z=limits.z + _ROOM))
+    # A door moved along x shows its face nearer or further off.
     found = [
-        localize(m.picture, camera, wide, m.door.width, m.door.thickness, settings=settings) for m in moved
+        localize(
+            m.picture,
+            camera,
+            replace(wide, rear_face_x=wide.rear_face_x + float(m.move[0])),
+            m.door.width,
+            m.door.thickness,
+            settings=settings,
+        )
+        for m in moved
     ]
     tests = []
     for i, (item, place) in enumerate(zip(moved, found, strict=True)):

@@ -47,6 +47,19 @@ class PoseFit:
 
 
 def fit_pose(T_start: FloatArray, linearise: Callable[[FloatArray], Linearised], what: str) -> PoseFit:
+    """As `solve_pose`, and the readings are held against each other.
+
+    Raises:
+        Undetermined: A degree of freedom is left open.
+        NotConverged: The steps do not vanish.
+        Contradiction: There are more readings than needed and they do not fit together.
+    """
+    fit = solve_pose(T_start, linearise, what)
+    check_agreement(fit, what)
+    return fit
+
+
+def solve_pose(T_start: FloatArray, linearise: Callable[[FloatArray], Linearised], what: str) -> PoseFit:
     """Gauss-Newton from `T_start` (4, 4).
 
     Args:
@@ -57,7 +70,6 @@ def fit_pose(T_start: FloatArray, linearise: Callable[[FloatArray], Linearised],
     Raises:
         Undetermined: A degree of freedom is left open.
         NotConverged: The steps do not vanish.
-        Contradiction: There are more readings than needed and they do not fit together.
     """
     T_base_door = np.array(T_start, dtype=float)
     for _ in range(_MAX_STEPS):
@@ -69,7 +81,7 @@ def fit_pose(T_start: FloatArray, linearise: Callable[[FloatArray], Linearised],
         if not np.all(np.isfinite(step)) or np.abs(step).max() > 1.0:
             break
         if np.abs(step).max() < _STEP_DONE:
-            return _finish(T_base_door, *whiten(linearise(T_base_door)), what)
+            return _finish(T_base_door, *whiten(linearise(T_base_door)))
     raise NotConverged(f"no door pose explains the {what} after {_MAX_STEPS} steps; measure again")
 
 
@@ -103,13 +115,23 @@ def check_rank(jacobian: FloatArray, what: str) -> None:
         )
 
 
-def _finish(T_base_door: FloatArray, residual: FloatArray, jacobian: FloatArray, what: str) -> PoseFit:
-    chi_square, redundancy = float(residual @ residual), residual.size - 6
+def check_agreement(fit: PoseFit, what: str) -> None:
+    """Refuse readings that do not fit together.
+
+    Raises:
+        Contradiction: There are more than needed, and their chi-square is beyond chance.
+    """
+    chi_square, redundancy = fit.chi_square, fit.redundancy
     if redundancy > 0 and chdtrc(redundancy, chi_square) < CONTRADICTION:
         raise Contradiction(
             f"the {what} contradict each other: chi-square is {chi_square:.1f} with {redundancy} degrees of "
             f"freedom, allowed is {chdtri(redundancy, CONTRADICTION):.1f}; clean the door and measure again",
             chi_square=chi_square,
         )
+
+
+def _finish(T_base_door: FloatArray, residual: FloatArray, jacobian: FloatArray) -> PoseFit:
     covariance = cho_solve(cho_factor(jacobian.T @ jacobian), np.eye(6))
-    return PoseFit(T_base_door, (covariance + covariance.T) / 2.0, chi_square, redundancy)
+    return PoseFit(
+        T_base_door, (covariance + covariance.T) / 2.0, float(residual @ residual), residual.size - 6
+    )

@@ -4,20 +4,27 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 
 from doormill_ros.arrays import ByteArray
+from doormill_ros.localization.calibration.board_shape import refuse_square
 from doormill_ros.localization.calibration.board_view import BoardPicture, judge
 from doormill_ros.localization.calibration.camera_file import read_document, with_intrinsics, write_document
 from doormill_ros.localization.calibration.chessboard import Chessboard
 from doormill_ros.localization.calibration.coverage import Coverage, coverage, draw_coverage
 from doormill_ros.localization.calibration.errors import BadCalibrationFile
-from doormill_ros.localization.calibration.intrinsics import Intrinsics, calibrate_intrinsics
+from doormill_ros.localization.calibration.intrinsics import (
+    Intrinsics,
+    calibrate_intrinsics,
+    check_corner,
+)
 from doormill_ros.localization.calibration.lens_check import check_lens
 from doormill_ros.localization.picture_file import read_picture, write_picture
+from doormill_ros.localization.picture_folder import SUFFIXES
 from doormill_ros.units import m_to_mm, mm_to_m
 
 CORNERS = (3, 100)  # inner corners each way; the detector takes no fewer
@@ -30,6 +37,7 @@ def intrinsics(arguments: argparse.Namespace, stream: Stream | None) -> list[str
     """Calibrate; what to print."""
     columns, rows = arguments.board
     board = _board(columns, rows, arguments.square)
+    document = read_document(arguments.camera)
     views, size = (
         _from_files(arguments.pictures, board) if stream is None else _live(stream, board, arguments.save)
     )
@@ -39,11 +47,12 @@ def intrinsics(arguments: argparse.Namespace, stream: Stream | None) -> list[str
     lines = _views(views, seen)
     try:
         found = calibrate_intrinsics([v.corners for v in views], board, size, arguments.radial)
+        check_corner(found)
     except Exception:
         sys.stdout.write("\n".join(lines) + "\n")  # the reasons are worth most when it fails
         raise
     names = [v.name for v in views]
-    before = write_document(with_intrinsics(read_document(arguments.camera), found, names), arguments.out)
+    before = write_document(with_intrinsics(document, found, names), arguments.out)
     lines = [*_views(views, seen, found), *_numbers(found)]
     if before is not None:
         lines.append(f"the file before is kept as {before}; calibrate restore {arguments.out} puts it back")
@@ -67,17 +76,23 @@ def _board(columns: int, rows: int, square: float) -> Chessboard:
             f"squares of {square:g} mm are given, allowed are {m_to_mm(low):g} to {m_to_mm(high):g} mm; measure the "
             "printed board, and give --square MM"
         )
-    return Chessboard(columns, rows, mm_to_m(square))
+    board = Chessboard(columns, rows, mm_to_m(square))
+    refuse_square(board)
+    return board
 
 
 def _from_files(paths: list[Path], board: Chessboard) -> tuple[list[BoardPicture], tuple[int, int]]:
+    paths = list(dict.fromkeys(paths))
     pictures = [read_picture(path) for path in paths]
     sizes = {(int(picture.shape[1]), int(picture.shape[0])) for picture in pictures}
     if len(sizes) != 1:
         raise BadCalibrationFile(f"the pictures have sizes {sorted(sizes)}, allowed is one; sort them")
     views: list[BoardPicture] = []
+    count = Counter(path.name for path in paths)
     for path, picture in zip(paths, pictures, strict=True):
-        views.append(judge(picture, path.name, board, views))
+        # The camera file holds each picture's record by its name.
+        name = path.name if count[path.name] == 1 else str(path)
+        views.append(judge(picture, name, board, views))
     return views, sizes.pop()
 
 
@@ -85,6 +100,8 @@ def _live(
     stream: Stream, board: Chessboard, folder: Path | None
 ) -> tuple[list[BoardPicture], tuple[int, int]]:
     """Judge pictures as they come, and say what to show next, until no view is missing."""
+    if folder is not None:
+        _refuse_pictures_in(folder)
     views: list[BoardPicture] = []
     sizes: list[tuple[int, int]] = []
     said = [""]
@@ -124,6 +141,16 @@ def _live(
     return views, sizes[0]
 
 
+def _refuse_pictures_in(folder: Path) -> None:
+    """Those of another session would be written over, and calibrated together with these."""
+    present = sorted(p.name for p in folder.glob("*") if p.suffix.lower() in SUFFIXES)
+    if present:
+        raise BadCalibrationFile(
+            f"the folder {folder} holds {len(present)} pictures already, such as {present[0]}, allowed is an empty or "
+            "a new one; give another --save"
+        )
+
+
 def _views(views: list[BoardPicture], seen: Coverage, found: Intrinsics | None = None) -> list[str]:
     lines = []
     for i, view in enumerate(views):
@@ -149,10 +176,9 @@ def _numbers(found: Intrinsics) -> list[str]:
     lens = check_lens(found.k, found.size, (found.distortion[0], found.distortion[1], found.distortion[4]))
     lines.append(f"corners reach {found.covered:.2f} of the {lens.corner:.2f} to the picture's corner")
     shape = found.shape
-    if np.isfinite(shape.bow_deviation):
-        lines.append(
-            f"the board is bowed by {m_to_mm(shape.bow):.3f} +- {m_to_mm(shape.bow_deviation):.3f} mm, its columns "
-            f"are stretched by {100 * shape.stretch:.3f} +- {100 * shape.stretch_deviation:.3f} % against its rows; "
-            "both are taken into account"
-        )
-    return lines
+    return [
+        *lines,
+        f"the board is bowed by {m_to_mm(shape.bow):.3f} +- {m_to_mm(shape.bow_deviation):.3f} mm, its columns are "
+        f"stretched by {100 * shape.stretch:.3f} +- {100 * shape.stretch_deviation:.3f} % against its rows; both are "
+        "taken into account",
+    ]

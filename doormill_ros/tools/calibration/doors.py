@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 from pydantic import model_validator
@@ -17,6 +19,7 @@ from doormill_ros.config import read
 from doormill_ros.localization.calibration.camera_file import (
     lens_covariance,
     read_document,
+    unwritten,
     with_mounting,
     write_document,
 )
@@ -26,18 +29,26 @@ from doormill_ros.localization.calibration.extrinsics import (
     Knowledge,
     calibrate_extrinsics,
 )
+from doormill_ros.localization.calibration.kept import keep
 from doormill_ros.localization.calibration.moved_door import MovedDoor
 from doormill_ros.localization.calibration.scale_test import scale_tests
-from doormill_ros.localization.camera import load_camera
+from doormill_ros.localization.camera import CameraModel, load_camera
 from doormill_ros.localization.picture_file import read_picture, write_picture
 from doormill_ros.localization.sensors.corner_edges import PictureQuality
-from doormill_ros.localization.settings import load_settings
+from doormill_ros.localization.settings import LocalizerSettings, load_settings, settings_of
 from doormill_ros.recipes.door import DoorSize
 from doormill_ros.units import m_to_mm, mm_to_m, rad_to_deg
-from doormill_ros.values import Name, NotNegative, Positive, Section, Vector3, contradiction
+from doormill_ros.values import FiniteNumber, Name, Section, Vector3, contradiction
 
 #: Gives the next picture of the camera.
 Shutter = Callable[[], ByteArray]
+
+
+_LONGEST = 1.0e4  # mm
+_Length = Annotated[float, FiniteNumber("millimetres above 0, up to 10000", 0.0, _LONGEST, above=True)]
+_Off = Annotated[float, FiniteNumber("millimetres from 0 to 10", 0.0, 10.0)]
+_Grey = Annotated[float, FiniteNumber("a number of grey levels from 0 to 255", 0.0, 255.0)]
+_Noise = Annotated[float, FiniteNumber("a number of grey levels above 0, up to 255", 0.0, 255.0, above=True)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,24 +57,28 @@ class _Move(Section):
 
     picture: Name
     move: Vector3
-    thickness: Positive | None = None
+    thickness: _Length | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class Moves(Section):
     """The list of moves in docs/calibration.md, lengths in millimetres."""
 
-    width: Positive
-    height: Positive
+    width: _Length
+    height: _Length
     pictures: tuple[_Move, ...]
-    thickness: Positive | None = None
-    thickness_deviation: NotNegative = 0.05
-    noise: NotNegative = 2.0
-    min_contrast: NotNegative = 25.0
+    thickness: _Length | None = None
+    thickness_deviation: _Off = 0.05
+    noise: _Noise = 2.0
+    min_contrast: _Grey = 25.0
 
     @model_validator(mode="after")
     def _every_thickness(self) -> Moves:
         for i, entry in enumerate(self.pictures):
+            if np.abs(entry.move).max() > _LONGEST:
+                raise contradiction(
+                    f"pictures.{i}.move is {entry.move.tolist()}, allowed are millimetres up to {_LONGEST:g}"
+                )
             if entry.thickness is None and self.thickness is None:
                 raise contradiction(f"pictures.{i}.thickness is missing, allowed is one there or one for all")
         return self
@@ -74,16 +89,18 @@ class Moves(Section):
         return DoorSize(mm_to_m(self.width), mm_to_m(self.height), mm_to_m(thickness))
 
 
-def extrinsics(arguments: argparse.Namespace, shutter: Shutter | None) -> list[str]:
-    """Calibrate the mounting; what to print."""
+def extrinsics(arguments: argparse.Namespace, shutter: Shutter | None) -> tuple[list[str], bool]:
+    """Calibrate the mounting; what to print, and whether the scale passed its test."""
     content, moved = _moved(arguments.moves, shutter)
     document = read_document(arguments.camera)
-    known = replace(
-        Knowledge(), thickness=mm_to_m(content.thickness_deviation), lens=lens_covariance(document)
-    )
+    camera, settings = load_camera(arguments.camera), load_settings(arguments.camera)
+    lens = lens_covariance(document, camera, settings)
+    known = replace(Knowledge(), thickness=mm_to_m(content.thickness_deviation), lens=lens)
     quality = PictureQuality(content.noise, content.min_contrast)
-    found = calibrate_extrinsics(moved, load_camera(arguments.camera), load_layout(), quality, known)
-    before = write_document(with_mounting(document, found), arguments.out)
+    found = calibrate_extrinsics(moved, camera, load_layout(), quality, known)
+    mounted = with_mounting(document, found)
+    tested, passed = _test(moved, found.camera, settings_of(mounted, unwritten(arguments.out)))
+    before = write_document(mounted, arguments.out)
     deviation = np.sqrt(np.diag(found.covariance))
     lines = []
     for i, name in enumerate(("x", "slider_y", "z")):
@@ -111,17 +128,17 @@ def extrinsics(arguments: argparse.Namespace, shutter: Shutter | None) -> list[s
         lines.append(f"the file before is kept as {before}; calibrate restore {arguments.out} puts it back")
     share = found.chi_square / found.redundancy
     lines.append(f"chi-square per degree of freedom {share:.2f}; {arguments.out}")
-    return [*lines, *_test(moved, arguments.out)[0]]
+    return [*lines, *tested], passed
 
 
 def check(arguments: argparse.Namespace, shutter: Shutter | None) -> tuple[list[str], bool]:
     """Test the scale; what to print, and whether it passed."""
     _, moved = _moved(arguments.moves, shutter)
-    return _test(moved, arguments.camera)
+    return _test(moved, load_camera(arguments.camera), load_settings(arguments.camera))
 
 
-def _test(moved: list[MovedDoor], camera: Path) -> tuple[list[str], bool]:
-    results = scale_tests(moved, load_camera(camera), load_layout(), load_settings(camera))
+def _test(moved: list[MovedDoor], camera: CameraModel, settings: LocalizerSettings) -> tuple[list[str], bool]:
+    results = scale_tests(moved, camera, load_layout(), settings)
     lines = []
     for result in results:
         made, seen = (", ".join(f"{m_to_mm(v):.3f}" for v in vector) for vector in (result.move, result.seen))
@@ -135,24 +152,36 @@ def _test(moved: list[MovedDoor], camera: Path) -> tuple[list[str], bool]:
 
 def _moved(path: Path, shutter: Shutter | None) -> tuple[Moves, list[MovedDoor]]:
     content = read(path, Moves, BadCalibrationFile, "see docs/calibration.md")
-    moved = []
+    files = [path.parent / entry.picture for entry in content.pictures]
+    if shutter is not None:
+        _take(content, files, shutter)
+    pairs = zip(content.pictures, files, strict=True)
+    return content, [
+        MovedDoor(read_picture(file), mm_to_m(entry.move), content.size(entry)) for entry, file in pairs
+    ]
+
+
+def _take(content: Moves, files: list[Path], shutter: Shutter) -> None:
+    """Ask for each move and take its picture; they are put in their files once all are there, earlier ones kept."""
+    twice = [file for file, count in Counter(files).items() if count > 1]
+    if twice:
+        raise BadCalibrationFile(
+            f"the list has {twice[0]} for two moves, allowed is a file for each; correct the list"
+        )
+    taken = []
     for entry in content.pictures:
-        file = path.parent / entry.picture
-        if shutter is not None:
-            _take(entry, content, file, shutter)
-        moved.append(MovedDoor(read_picture(file), mm_to_m(entry.move), content.size(entry)))
-    return content, moved
-
-
-def _take(entry: _Move, content: Moves, file: Path, shutter: Shutter) -> None:
-    """Ask for a move and write down its picture."""
-    move = ", ".join(f"{v:g}" for v in entry.move)
-    thickness = m_to_mm(content.size(entry).thickness)
-    sys.stderr.write(
-        f"door of {thickness:g} mm to x, y, z = {move} mm from the reference place, then Enter: "
-    )
-    sys.stderr.flush()
-    sys.stdin.readline()
-    picture = shutter()
-    write_picture(np.repeat(picture[..., None], 3, axis=2), file)
-    sys.stderr.write(f"{file} written\n")
+        move = ", ".join(f"{v:g}" for v in entry.move)
+        thickness = m_to_mm(content.size(entry).thickness)
+        sys.stderr.write(
+            f"door of {thickness:g} mm to x, y, z = {move} mm from the reference place, then Enter: "
+        )
+        sys.stderr.flush()
+        if not sys.stdin.readline():
+            raise BadCalibrationFile(
+                f"nobody pressed Enter for move {move} mm, the input has ended; call the tool at a terminal"
+            )
+        taken.append(shutter())
+    for picture, file in zip(taken, files, strict=True):
+        before = keep(file, file.suffix)
+        write_picture(np.repeat(picture[..., None], 3, axis=2), file)
+        sys.stderr.write(f"{file} written" + (f", the one before is {before}\n" if before else "\n"))

@@ -19,20 +19,15 @@ from doormill_ros.localization.picture_file import read_picture, write_picture
 from doormill_ros.tools.calibration.boards import Stream
 from doormill_ros.units import mm_to_m
 
-MOST = 100  # pictures that are averaged
+COUNT, MOST = 5, 100  # pictures that are averaged: of a topic unless told otherwise, and at most
 
 
 def empty(arguments: argparse.Namespace, stream: Stream | None) -> list[str]:
     """Take the pictures, keep their mean beside the camera file and enter it there; what to print."""
-    if not 1 <= arguments.count <= MOST:
-        raise BadCalibrationFile(
-            f"{arguments.count} pictures are asked for, allowed are 1 to {MOST}; give --count N"
-        )
-    pictures = (
-        [read_picture(path) for path in arguments.pictures]
-        if stream is None
-        else _live(stream, arguments.count)
-    )
+    count = COUNT if arguments.count is None else arguments.count
+    if not 1 <= count <= MOST:
+        raise BadCalibrationFile(f"{count} pictures are asked for, allowed are 1 to {MOST}; give --count N")
+    pictures = [read_picture(path) for path in arguments.pictures] if stream is None else _live(stream, count)
     width = round(mm_to_m(arguments.width), 9)  # a file for people
     made = empty_picture(pictures, load_camera(arguments.camera), load_layout(), width, arguments.sure)
     document = read_document(arguments.camera)
@@ -40,7 +35,6 @@ def empty(arguments: argparse.Namespace, stream: Stream | None) -> list[str]:
     write_picture(np.repeat(made.picture[..., None], 3, axis=2), file)
     entry = EmptyClampEntry(width, str(file.absolute()), made.noise, made.count, time.strftime("%Y-%m-%d"))
     before = write_document(with_empty_clamp(document, entry), arguments.out)
-    load_camera(arguments.out)
     lines = [
         f"the empty clamp for doors of {arguments.width:g} mm: {made.count} "
         f"{'picture' if made.count == 1 else 'pictures'}, noise {made.noise:.2f} grey levels; {file}"

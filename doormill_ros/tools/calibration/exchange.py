@@ -9,15 +9,20 @@ from doormill_ros.localization.calibration.camera_file import (
     with_ros_intrinsics,
     write_document,
 )
-from doormill_ros.localization.calibration.kept import kept, restore
+from doormill_ros.localization.calibration.kept import keep, kept, restore
 from doormill_ros.localization.calibration.ros_file import read_ros_file, write_ros_file
 from doormill_ros.localization.camera import load_camera
 
 
 def to_ros(arguments: argparse.Namespace) -> list[str]:
     """Write the intrinsics as camera_calibration does; what to print."""
-    write_ros_file(load_camera(arguments.camera), arguments.name, arguments.out)
-    return [f"intrinsics of {arguments.camera} as {arguments.name} in {arguments.out}"]
+    camera = load_camera(arguments.camera)
+    before = keep(arguments.out)
+    write_ros_file(camera, arguments.name, arguments.out)
+    lines = [f"intrinsics of {arguments.camera} as {arguments.name} in {arguments.out}"]
+    if before is not None:
+        lines.append(f"the file before is kept as {before}")
+    return lines
 
 
 def from_ros(arguments: argparse.Namespace) -> list[str]:

@@ -147,3 +147,39 @@ def test_two_pictures_are_too_few(rig):
     )
     with pytest.raises(TooFewPictures, match="2 pictures"):
         calibrate_extrinsics([empty, empty], load_camera(), load_layout(), QUALITY)
+
+
+@pytest.fixture(scope="module")
+def clean(rig):
+    """Pictures of seed 1, all moves as the list says."""
+    return moved_doors(rig, 1)
+
+
+@pytest.mark.parametrize("off", [-1e-4, 1e-4])
+@pytest.mark.parametrize(("number", "axis"), [(1, 1), (2, 2)])
+def test_a_move_that_is_wrong_by_a_tenth_of_a_millimetre_is_told_with_its_picture(clean, number, axis, off):
+    moved = list(clean)
+    listed = moved[number].move.copy()
+    listed[axis] -= off
+    moved[number] = MovedDoor(moved[number].picture, listed, moved[number].door)
+    with pytest.raises(
+        PoorlySpread, match=rf"^picture {number + 1}, .* along {'xyz'[axis]} from there"
+    ) as told:
+        calibrate_extrinsics(moved, load_camera(), load_layout(), QUALITY, KNOWN)
+    size = float(told.value.message.split("shows its door ")[1].split(" mm")[0])
+    assert size == pytest.approx(1e3 * off, abs=0.04)
+
+
+def test_the_mounting_fits_the_lens_of_the_file_whatever_its_doubt(clean):
+    """It goes beside that lens: one that fits a lens corrected along with it would put doors elsewhere."""
+    lens = np.zeros(9)
+    lens[:2] = 1e-3 * load_camera().k[[0, 1], [0, 1]]
+    doubted = Knowledge(thickness=0.0, lens=np.outer(lens, lens))
+    sure, honest = (
+        calibrate_extrinsics(clean, load_camera(), load_layout(), QUALITY, known)
+        for known in (KNOWN, doubted)
+    )
+    np.testing.assert_allclose(honest.camera.position, sure.camera.position, atol=1e-8)
+    np.testing.assert_allclose(honest.camera.rotation_vector, sure.camera.rotation_vector, atol=1e-8)
+    assert np.all(np.diag(honest.covariance) >= np.diag(sure.covariance))
+    assert honest.covariance[0, 0] > 1.5 * sure.covariance[0, 0]

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from doormill_ros.localization.calibration.chessboard import Chessboard, find_corners
-from doormill_ros.localization.calibration.errors import PoorlySpread, TooFewPictures
-from doormill_ros.localization.calibration.intrinsics import calibrate_intrinsics
+from doormill_ros.localization.calibration.errors import BadCalibrationFile, PoorlySpread, TooFewPictures
+from doormill_ros.localization.calibration.intrinsics import calibrate_intrinsics, check_corner
 from doormill_ros.simulation.picture.scene import Sensor
 from support.pictures.chessboard import render_chessboard
 from support.pictures.chessboard_corners import (
@@ -15,6 +15,7 @@ from support.pictures.chessboard_corners import (
     SIZE,
     TRUE_DISTORTION,
     TRUE_K,
+    held_upright,
     noisy_corners,
     views,
 )
@@ -120,6 +121,30 @@ def test_deviations_are_no_smaller_than_those_of_a_board_known_to_be_flat():
     assert np.all(ratio > 0.98), ratio
     assert np.all(ratio < 3.0), ratio
     np.testing.assert_allclose(np.sqrt(np.diag(found.covariance))[:4], found.k_deviation)
+
+
+def test_a_square_board_is_refused():
+    """Turned by a quarter it looks alike: a bow would go into the focal length with next to no deviation."""
+    with pytest.raises(
+        BadCalibrationFile, match=r"a board of 7 x 7 inner corners is given, .* print one of 8 x 7"
+    ):
+        calibrate_intrinsics([None] * 8, Chessboard(7, 7, 0.02), SIZE)
+
+
+def test_a_lens_that_was_seen_in_the_middle_only_is_not_known_in_the_corner():
+    square = np.array([[1700.0, 0.0, 950.0], [0.0, 1700.0, 520.0], [0.0, 0.0, 1.0]])
+    corners = held_upright(19, 2, square, distance=(0.8, 1.6))
+    open_corner = calibrate_intrinsics(corners, BOARD, (1920, 1080), radial=3)
+    assert abs(open_corner.distortion[4]) > 5
+    with pytest.raises(
+        PoorlySpread, match=r"where a ray to the picture's corner lands, by \d+ px, allowed are 3\d px"
+    ):
+        check_corner(open_corner)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_lens_that_was_seen_all_over_is_known_in_the_corner(seed):
+    check_corner(calibrate_intrinsics(noisy_corners(10, seed, 0.05), BOARD, SIZE))
 
 
 @pytest.mark.parametrize("seed", range(6))

@@ -46,7 +46,7 @@ def test_the_marks_are_put_where_they_are(
     world: SceneCamera, pictures: list[np.ndarray], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     rough, out = marked_camera_file(tmp_path), tmp_path / "marked.yaml"
-    command = ["marks", *written(pictures[:2], tmp_path), "--width", "826"]
+    command = ["marks", *written(pictures[:2], tmp_path)]
     assert calibrate.main([*command, "--camera", str(rough), "--out", str(out)]) == 0
     assert "mark 13: y = " in capsys.readouterr().out
     corner = load_layout().T_base_door(WIDTH, THICKNESS)[:3, 3]
@@ -68,10 +68,10 @@ def test_a_mark_that_is_not_seen_is_named(
         ([pictures[0], hidden], "of 13 is seen in 1 of 2 pictures"),
         ([pictures[0][:500]], "1920 x 500 px"),
     ):
-        command = ["marks", *written(sent, tmp_path), "--width", "826", "--camera", str(rough)]
+        command = ["marks", *written(sent, tmp_path), "--camera", str(rough)]
         assert calibrate.main([*command, "--out", str(tmp_path / "out.yaml")]) == 2
         assert says in capsys.readouterr().err
-    command = ["marks", *written(pictures, tmp_path), "--width", "826", "--out", str(tmp_path / "out.yaml")]
+    command = ["marks", *written(pictures, tmp_path), "--out", str(tmp_path / "out.yaml")]
     assert calibrate.main(command) == 2
     assert "has no marks" in capsys.readouterr().err
     assert not (tmp_path / "out.yaml").exists()

@@ -93,6 +93,11 @@ def test_the_projection_shows_only_what_the_camera_saw(tmp_path: Path) -> None:
         ("image_width: 1920", "image_width: 640", "centre inside the picture of 640 x 1080 px"),
         ("image_width: 1920", "image_width: 192000", "192000 x 1080 px"),
         ("[-0.080000", "[-80", "distortion coefficients up to 80"),
+        (
+            "[-0.080000, 0.050000",
+            "[-1.5, 0.0",
+            "has no ray for 58% of the picture by its distortion, allowed are 25%",
+        ),
         ("cols: 3\n  data: [1678", "cols: 4\n  data: [1678", "camera matrix of 3 x 4"),
         ("rows: 3\n  cols: 3\n  data: [1678", "rows: 9\n  cols: 1\n  data: [1678", "camera matrix of 9 x 1"),
         ("cols: 5", "cols: 4", "1 x 4 distortion coefficients and 5 numbers"),
