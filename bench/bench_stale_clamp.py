@@ -30,9 +30,9 @@ from rich.table import Table
 from wrong_pose import is_wrong
 
 from doormill_ros.cell.layout import load_layout
+from doormill_ros.localization.empty_clamp.stale_clamp import fit_clamp
 from doormill_ros.localization.errors import LocalizationError
 from doormill_ros.localization.localizer import localize
-from doormill_ros.localization.stale_clamp import fit_clamp
 from doormill_ros.localization.view import face_view
 from doormill_ros.simulation.picture.picture import render_picture
 from support.pictures.empty_clamps import ClampPicture

@@ -15,10 +15,10 @@ from pydantic import StrictBool
 from doormill_ros.arrays import FloatArray
 from doormill_ros.config import check, read
 from doormill_ros.frames import rotation_from_vector, transform
-from doormill_ros.localization.empty_clamp import EmptyClamp, EmptyClampEntry, load_empty_clamps
+from doormill_ros.localization.empty_clamp.empty_clamp import EmptyClamp, EmptyClampEntry, load_empty_clamps
 from doormill_ros.localization.errors import BadCameraFile
 from doormill_ros.localization.lens import no_lens
-from doormill_ros.localization.marks import Marks
+from doormill_ros.localization.marks.marks import Marks
 from doormill_ros.resources import resource
 from doormill_ros.values import Array, Count, FiniteNumber, Section, Vector3
 

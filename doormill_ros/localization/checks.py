@@ -6,8 +6,9 @@ import numpy as np
 
 from doormill_ros.arrays import ByteArray, FloatArray, IntArray
 from doormill_ros.cell.layout import DoorOffset, PlacementLimits
-from doormill_ros.localization.blur import Spread
 from doormill_ros.localization.camera import CameraModel
+from doormill_ros.localization.edge_points.blur import Spread
+from doormill_ros.localization.edge_points.profiles import WHITE, Profiles
 from doormill_ros.localization.errors import (
     BadCameraInfo,
     BadDoorFace,
@@ -23,8 +24,7 @@ from doormill_ros.localization.errors import (
     UnderExposed,
     WrongEdge,
 )
-from doormill_ros.localization.fit import LESS_SQUARE, CornerFit, LineFit
-from doormill_ros.localization.profiles import WHITE, Profiles
+from doormill_ros.localization.lines.fit import LESS_SQUARE, CornerFit, LineFit
 from doormill_ros.localization.settings import LocalizerSettings
 from doormill_ros.statistics import share
 from doormill_ros.units import m_to_mm, rad_to_deg

@@ -9,23 +9,23 @@ import numpy as np
 from doormill_ros.arrays import ByteArray, FloatArray, IntArray
 from doormill_ros.cell.layout import CellLayout, DoorOffset
 from doormill_ros.localization import checks
-from doormill_ros.localization.band import reduced
-from doormill_ros.localization.beyond import larger_beyond
 from doormill_ros.localization.camera import CameraModel
-from doormill_ros.localization.clamp_lines import FaceInClamp, check_clamp, smoothed
-from doormill_ros.localization.coarse import Sighted, search, search_bands
-from doormill_ros.localization.crossing import check_crossing
-from doormill_ros.localization.drift import Drift, drift_in
-from doormill_ros.localization.empty_clamp import EmptyClamp, empty_clamp_for
+from doormill_ros.localization.empty_clamp.clamp_lines import FaceInClamp, check_clamp, smoothed
+from doormill_ros.localization.empty_clamp.empty_clamp import EmptyClamp, empty_clamp_for
+from doormill_ros.localization.empty_clamp.stale_clamp import clamp_pattern, fit_clamp
 from doormill_ros.localization.errors import LocalizationError, NoEdge, WrongEdge
-from doormill_ros.localization.fit import CornerFit, fit_corner
-from doormill_ros.localization.marked_view import marked_view
-from doormill_ros.localization.processing import check_levels, level_counts
+from doormill_ros.localization.lines.fit import CornerFit, fit_corner
+from doormill_ros.localization.lines.straightness import check_straight
+from doormill_ros.localization.marks.drift import Drift, drift_in
+from doormill_ros.localization.marks.marked_view import marked_view
 from doormill_ros.localization.result import CovarianceParts, EdgeTrace, Localization
+from doormill_ros.localization.rims.crossing import check_crossing
+from doormill_ros.localization.rims.processing import check_levels, level_counts
+from doormill_ros.localization.rims.sharpness import check_sharpness
+from doormill_ros.localization.search.band import reduced
+from doormill_ros.localization.search.beyond import larger_beyond
+from doormill_ros.localization.search.coarse import Sighted, search, search_bands
 from doormill_ros.localization.settings import LocalizerSettings, shipped_settings
-from doormill_ros.localization.sharpness import check_sharpness
-from doormill_ros.localization.stale_clamp import clamp_pattern, fit_clamp
-from doormill_ros.localization.straightness import check_straight
 from doormill_ros.localization.tracing import Trace, trace_edges
 from doormill_ros.localization.view import BOTTOM, HINGE, FaceView, face_view
 

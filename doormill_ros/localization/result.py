@@ -8,8 +8,8 @@ import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.cell.layout import DoorOffset
-from doormill_ros.localization.drift import Drift
-from doormill_ros.localization.stale_clamp import ClampFit
+from doormill_ros.localization.empty_clamp.stale_clamp import ClampFit
+from doormill_ros.localization.marks.drift import Drift
 
 FREE = (1, 2, 3)  #: of x, y, z and the rotations about them, what the camera sees: y, z, rotation about x
 

@@ -10,19 +10,19 @@ import numpy as np
 
 from doormill_ros.arrays import ByteArray, FloatArray
 from doormill_ros.localization import checks
-from doormill_ros.localization.blur import Spread
-from doormill_ros.localization.both_rims import EdgeRead, find_borders
-from doormill_ros.localization.coarse import Sighted
-from doormill_ros.localization.edge_line import EdgeLine
+from doormill_ros.localization.edge_points.blur import Spread
+from doormill_ros.localization.edge_points.profiles import Profiles, measure, plain_weights
+from doormill_ros.localization.edge_points.texture import push
 from doormill_ros.localization.errors import LocalizationError
-from doormill_ros.localization.fit import LineFit, crossing, fit_line, pooled
-from doormill_ros.localization.layers import choose
-from doormill_ros.localization.neighbourhood import EVERY, WIDE_HALF, Neighbourhood, look_around
-from doormill_ros.localization.profiles import Profiles, measure, plain_weights
-from doormill_ros.localization.second_look import check_again
+from doormill_ros.localization.lines.fit import LineFit, crossing, fit_line, pooled
+from doormill_ros.localization.rims.both_rims import EdgeRead, find_borders
+from doormill_ros.localization.search.coarse import Sighted
+from doormill_ros.localization.search.edge_line import EdgeLine
+from doormill_ros.localization.search.layers import choose
+from doormill_ros.localization.search.neighbourhood import EVERY, WIDE_HALF, Neighbourhood, look_around
+from doormill_ros.localization.search.second_look import check_again
+from doormill_ros.localization.search.stand_ins import check_stretch
 from doormill_ros.localization.settings import LocalizerSettings
-from doormill_ros.localization.stand_ins import check_stretch
-from doormill_ros.localization.texture import push
 from doormill_ros.localization.view import BOTTOM, EDGES, HINGE, FaceView
 from doormill_ros.statistics import share
 

@@ -22,7 +22,7 @@ from doormill_ros.cell.layout import OFFSETS, DoorOffset
 from doormill_ros.files import is_file
 from doormill_ros.localization.camera import CameraModel, load_camera
 from doormill_ros.localization.errors import BadPicture
-from doormill_ros.localization.picture_file import read_picture
+from doormill_ros.localization.pictures.picture_file import read_picture
 from doormill_ros.localization.settings import LocalizerSettings, load_settings
 from doormill_ros.measurements.schemas import PICTURE_SET
 from doormill_ros.measurements.set_document import SetDocument

@@ -14,9 +14,9 @@ import cv2
 import numpy as np
 
 from doormill_ros.arrays import ByteArray
-from doormill_ros.localization.compressed import Pixels, compressed_size, in_bytes, unpacked
 from doormill_ros.localization.errors import BadPicture
 from doormill_ros.localization.lens import SMALLEST
+from doormill_ros.localization.pictures.compressed import Pixels, compressed_size, in_bytes, unpacked
 
 
 @dataclass(frozen=True)

@@ -21,11 +21,11 @@ from doormill_ros.cell.node_names import DOOR_LOCALIZER
 from doormill_ros.errors import DoormillError
 from doormill_ros.frames import BASE_FRAME, CAMERA_FRAME, DOOR_FRAME
 from doormill_ros.localization.camera import CameraModel, load_camera
-from doormill_ros.localization.drift import Drift
-from doormill_ros.localization.empty_clamp import empty_clamp_for, widths_told
+from doormill_ros.localization.empty_clamp.empty_clamp import empty_clamp_for, widths_told
 from doormill_ros.localization.errors import LocalizationError, StaleEmptyClamp
 from doormill_ros.localization.localizer import prepare
-from doormill_ros.localization.mark_watch import MarkWatch
+from doormill_ros.localization.marks.drift import Drift
+from doormill_ros.localization.marks.mark_watch import MarkWatch
 from doormill_ros.localization.overlay import draw_overlay, draw_refusal
 from doormill_ros.localization.rehearsal import FACE, drawn_door
 from doormill_ros.localization.result import Localization

@@ -14,7 +14,7 @@ from doormill_interfaces.msg import DoorRecipe
 from doormill_ros.cell.node_names import FOLDER_CAMERA
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.errors import BadPicture
-from doormill_ros.localization.picture_folder import PictureFolder
+from doormill_ros.localization.pictures.picture_folder import PictureFolder
 from doormill_ros.messages.picture import picture_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.picture import camera_info_message, picture_message

@@ -23,7 +23,7 @@ from doormill_ros.localization.calibration.lens_check import check_lens
 from doormill_ros.localization.calibration.mark_places import measure_marks
 from doormill_ros.localization.camera import FORM, load_camera
 from doormill_ros.localization.errors import BadPicture
-from doormill_ros.localization.picture_file import read_picture
+from doormill_ros.localization.pictures.picture_file import read_picture
 from doormill_ros.resources import resource
 from doormill_ros.tools.calibration.boards import Stream, intrinsics
 from doormill_ros.tools.calibration.doors import Shutter, check, extrinsics

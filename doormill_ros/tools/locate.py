@@ -26,7 +26,7 @@ from doormill_ros.interrupts import interruptible
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.errors import LocalizationError
 from doormill_ros.localization.overlay import draw_overlay, draw_refusal
-from doormill_ros.localization.picture_file import read_picture, write_picture
+from doormill_ros.localization.pictures.picture_file import read_picture, write_picture
 from doormill_ros.localization.repeatability import Repeatability
 from doormill_ros.localization.sensors.located import (
     LocatedDoor,

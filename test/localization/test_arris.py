@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from doormill_ros.cell.layout import DoorOffset
-from doormill_ros.localization.arris import Profile
-from doormill_ros.localization.blur import Spread, bin_places
+from doormill_ros.localization.edge_points.blur import Spread, bin_places
+from doormill_ros.localization.edge_points.texture import Variograms
 from doormill_ros.localization.errors import LocalizationError, WrongEdge
 from doormill_ros.localization.localizer import localize
-from doormill_ros.localization.rim import Rim
-from doormill_ros.localization.texture import Variograms
+from doormill_ros.localization.rims.arris import Profile
+from doormill_ros.localization.rims.rim import Rim
 from doormill_ros.simulation.picture.picture import render_picture
 from doormill_ros.simulation.picture.scene import BackEdge, Edges, PictureScene, Sensor, Strip, Surface
 from doormill_ros.units import MM

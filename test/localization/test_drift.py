@@ -13,10 +13,10 @@ from scipy.spatial.transform import Rotation
 
 from doormill_ros.cell.layout import DoorOffset, load_layout
 from doormill_ros.localization.camera import CameraModel, load_camera
-from doormill_ros.localization.drift import Drift, drift_in
 from doormill_ros.localization.errors import BadCameraFile, CameraMoved, LocalizationError, MarksMissing
 from doormill_ros.localization.localizer import localize
-from doormill_ros.localization.mark_watch import MarkWatch
+from doormill_ros.localization.marks.drift import Drift, drift_in
+from doormill_ros.localization.marks.mark_watch import MarkWatch
 from doormill_ros.localization.result import Localization
 from doormill_ros.simulation.picture.picture import render_picture
 from doormill_ros.simulation.picture.scene import Blot, PictureScene, SceneCamera

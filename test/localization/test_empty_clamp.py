@@ -7,12 +7,12 @@ import pytest
 import yaml
 
 from doormill_ros.localization.camera import load_camera
-from doormill_ros.localization.clamp_lines import FaceInClamp
-from doormill_ros.localization.empty_clamp import empty_clamp_for
+from doormill_ros.localization.empty_clamp.clamp_lines import FaceInClamp
+from doormill_ros.localization.empty_clamp.empty_clamp import empty_clamp_for
 from doormill_ros.localization.errors import BadCameraFile, LocalizationError, NoDoor, WrongEdge
 from doormill_ros.localization.localizer import localize
 from doormill_ros.localization.overlay import draw_refusal
-from doormill_ros.localization.picture_file import write_picture
+from doormill_ros.localization.pictures.picture_file import write_picture
 from doormill_ros.localization.view import face_view
 from doormill_ros.simulation.picture.picture import render_picture
 from support.pictures.empty_clamps import CLAMPS, clamp_pictures, render_empty

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from doormill_ros.localization.mark_finder import find_marks
+from doormill_ros.localization.marks.mark_finder import find_marks
 
 RADIUS = 14.0
 FINE = 8

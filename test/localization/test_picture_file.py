@@ -13,7 +13,7 @@ import pytest
 from PIL import Image
 
 from doormill_ros.localization.errors import BadPicture
-from doormill_ros.localization.picture_file import read_picture, write_picture
+from doormill_ros.localization.pictures.picture_file import read_picture, write_picture
 from doormill_ros.messages.picture import picture_of
 
 

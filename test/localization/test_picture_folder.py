@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from doormill_ros.localization.errors import BadPicture
-from doormill_ros.localization.picture_folder import LARGEST, PictureFolder
+from doormill_ros.localization.pictures.picture_folder import LARGEST, PictureFolder
 
 
 def test_files_come_in_order_and_once_and_later_ones_too(tmp_path: Path) -> None:

@@ -6,11 +6,11 @@ import cv2
 import numpy as np
 import pytest
 
-from doormill_ros.localization.blur import Spread, bin_places
+from doormill_ros.localization.edge_points.blur import Spread, bin_places
 from doormill_ros.localization.errors import LocalizationError, ProcessedPicture
 from doormill_ros.localization.localizer import localize
-from doormill_ros.localization.processing import check_levels, check_overshoot, level_counts
-from doormill_ros.localization.rim import find_rim
+from doormill_ros.localization.rims.processing import check_levels, check_overshoot, level_counts
+from doormill_ros.localization.rims.rim import find_rim
 from doormill_ros.simulation.picture.picture import render_picture
 from doormill_ros.units import MM
 from support.pictures.conditions import pictures

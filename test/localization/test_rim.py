@@ -5,9 +5,9 @@ from math import erf, sqrt
 import numpy as np
 import pytest
 
-from doormill_ros.localization.blur import Spread, bin_places
+from doormill_ros.localization.edge_points.blur import Spread, bin_places
 from doormill_ros.localization.errors import WrongEdge
-from doormill_ros.localization.rim import Rim, check_alike, check_placed, check_readable, find_rim
+from doormill_ros.localization.rims.rim import Rim, check_alike, check_placed, check_readable, find_rim
 
 PLACE = bin_places(47)
 PIXEL = 1e-4

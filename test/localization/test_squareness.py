@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from doormill_ros.localization.errors import WrongEdge
-from doormill_ros.localization.fit import LineFit, fit_corner
+from doormill_ros.localization.lines.fit import LineFit, fit_corner
 from doormill_ros.localization.localizer import localize
 from doormill_ros.simulation.picture.picture import render_picture
 from doormill_ros.units import DEG

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from doormill_ros.localization import localizer
-from doormill_ros.localization.background import fit_background
+from doormill_ros.localization.empty_clamp.background import fit_background
+from doormill_ros.localization.empty_clamp.picture_pattern import DOWN, TILE, pattern_of
+from doormill_ros.localization.empty_clamp.stale_clamp import MOVED, SIGMAS, fit_clamp
 from doormill_ros.localization.errors import LocalizationError, NoDoor, WrongEdge
 from doormill_ros.localization.localizer import localize
-from doormill_ros.localization.picture_pattern import DOWN, TILE, pattern_of
-from doormill_ros.localization.stale_clamp import MOVED, SIGMAS, fit_clamp
 from doormill_ros.localization.view import face_view
 from doormill_ros.simulation.picture.picture import render_picture
 from doormill_ros.simulation.picture.scene import PictureScene, Surface

@@ -5,16 +5,16 @@ from math import erf, sqrt
 import numpy as np
 import pytest
 
-from doormill_ros.localization import step_grid, step_models
-from doormill_ros.localization.blur import bin_places
-from doormill_ros.localization.step_fits import (
+from doormill_ros.localization.edge_points import step_grid, step_models
+from doormill_ros.localization.edge_points.blur import bin_places
+from doormill_ros.localization.edge_points.step_grid import nearness, two_starts
+from doormill_ros.localization.rims.step_fits import (
     Sharp,
     fit_disc,
     fit_one,
     fit_ramp,
     fit_two,
 )
-from doormill_ros.localization.step_grid import nearness, two_starts
 
 PLACE = bin_places(47)
 

@@ -7,10 +7,10 @@ import pytest
 
 from doormill_ros.cell.layout import DoorOffset
 from doormill_ros.localization.errors import BowedEdge
-from doormill_ros.localization.fit import fit_line
+from doormill_ros.localization.lines.fit import fit_line
+from doormill_ros.localization.lines.straightness import check_straight
 from doormill_ros.localization.localizer import localize
 from doormill_ros.localization.settings import load_settings
-from doormill_ros.localization.straightness import check_straight
 from doormill_ros.simulation.picture.picture import render_picture
 from doormill_ros.simulation.picture.scene import Edges, PictureScene, Surface
 from doormill_ros.units import MM

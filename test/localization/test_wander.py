@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from doormill_ros.localization.wander import EdgePieces
+from doormill_ros.localization.lines.wander import EdgePieces
 
 MM = 1e-3
 LENGTHS = (80.0 * MM, 130.0 * MM)  # that show of a hinge edge and of a bottom edge

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from doormill_ros.localization.compressed import MOST_PIXELS
 from doormill_ros.localization.errors import BadPicture
+from doormill_ros.localization.pictures.compressed import MOST_PIXELS
 from doormill_ros.messages.picture import ENCODINGS, colours_of, packed_size, picture_of
 
 ROWS, COLUMNS = 3, 5

@@ -11,7 +11,7 @@ from rclpy.context import Context
 from std_msgs.msg import Header
 
 from doormill_ros.localization.camera import load_camera
-from doormill_ros.localization.empty_clamp import EmptyClamp
+from doormill_ros.localization.empty_clamp.empty_clamp import EmptyClamp
 from doormill_ros.localization.errors import NoDoor, StaleEmptyClamp
 from doormill_ros.messages.picture import picture_of
 from doormill_ros.nodes import topics

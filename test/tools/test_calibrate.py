@@ -8,7 +8,7 @@ import yaml
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.localization.calibration.board_view import BoardPicture
 from doormill_ros.localization.camera import load_camera
-from doormill_ros.localization.picture_file import write_picture
+from doormill_ros.localization.pictures.picture_file import write_picture
 from doormill_ros.localization.settings import load_settings
 from doormill_ros.simulation.picture.scene import Sensor
 from doormill_ros.simulation.sensors.axis_vision import AxisVisionRig

@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from doormill_ros.localization.camera import load_camera
-from doormill_ros.localization.picture_file import read_picture, write_picture
+from doormill_ros.localization.pictures.picture_file import read_picture, write_picture
 from doormill_ros.simulation.picture.picture import render_picture
 from doormill_ros.simulation.picture.scene import PictureScene, Surface
 from doormill_ros.tools.calibrate import main

@@ -14,7 +14,7 @@ import yaml
 from bags.timeline import load_timeline
 from doormill_ros.abb.target_file import line as target_line
 from doormill_ros.correction import compensate
-from doormill_ros.localization import neighbourhood
+from doormill_ros.localization.search import neighbourhood
 from doormill_ros.recording.accepted import accept_bag, accepted_bags
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.recording.replay import offline

@@ -21,7 +21,7 @@ from doormill_ros.localization.calibration.kept import keep
 from doormill_ros.localization.calibration.mark_places import MarkPlaces
 from doormill_ros.localization.calibration.ros_file import RosIntrinsics
 from doormill_ros.localization.camera import CameraModel, camera_of
-from doormill_ros.localization.empty_clamp import SAME_WIDTH, EmptyClampEntry
+from doormill_ros.localization.empty_clamp.empty_clamp import SAME_WIDTH, EmptyClampEntry
 from doormill_ros.localization.settings import LocalizerSettings, settings_of, shipped_settings
 from doormill_ros.values import Array
 from doormill_ros.yaml_text import parse

@@ -13,11 +13,11 @@ from doormill_ros.cell.layout import CellLayout
 from doormill_ros.localization import checks
 from doormill_ros.localization.calibration.errors import BadCalibrationFile, DoorInClamp, TooFewPictures
 from doormill_ros.localization.camera import CameraModel
-from doormill_ros.localization.drift import drift_in
+from doormill_ros.localization.edge_points.profiles import WHITE
 from doormill_ros.localization.errors import LocalizationError, OverExposed
 from doormill_ros.localization.localizer import localize
-from doormill_ros.localization.processing import check_levels, level_counts
-from doormill_ros.localization.profiles import WHITE
+from doormill_ros.localization.marks.drift import drift_in
+from doormill_ros.localization.rims.processing import check_levels, level_counts
 from doormill_ros.statistics import median, share
 from doormill_ros.units import m_to_mm
 

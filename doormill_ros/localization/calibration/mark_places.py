@@ -11,7 +11,7 @@ from doormill_ros.arrays import ByteArray, FloatArray
 from doormill_ros.localization.calibration.errors import BadCalibrationFile, TooFewPictures
 from doormill_ros.localization.camera import CameraModel
 from doormill_ros.localization.checks import check_size
-from doormill_ros.localization.mark_finder import find_marks
+from doormill_ros.localization.marks.mark_finder import find_marks
 
 _FINEST = 2e-6  # m; what uneven light leaves in all pictures alike
 

@@ -19,7 +19,7 @@ from pydantic_core import CoreSchema, core_schema
 
 from doormill_ros.arrays import ByteArray, FloatArray
 from doormill_ros.config import read
-from doormill_ros.localization.picture_file import read_picture
+from doormill_ros.localization.pictures.picture_file import read_picture
 from doormill_ros.localization.sensors.errors import BadReading
 from doormill_ros.localization.sensors.sensor import ReadingKind
 from doormill_ros.units import mm_to_m

@@ -23,8 +23,8 @@ from doormill_ros.localization.calibration.intrinsics import (
     check_corner,
 )
 from doormill_ros.localization.calibration.lens_check import check_lens
-from doormill_ros.localization.picture_file import read_picture, write_picture
-from doormill_ros.localization.picture_folder import SUFFIXES
+from doormill_ros.localization.pictures.picture_file import read_picture, write_picture
+from doormill_ros.localization.pictures.picture_folder import SUFFIXES
 from doormill_ros.units import m_to_mm, mm_to_m
 
 CORNERS = (3, 100)  # inner corners each way; the detector takes no fewer

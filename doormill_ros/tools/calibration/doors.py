@@ -33,7 +33,7 @@ from doormill_ros.localization.calibration.kept import keep
 from doormill_ros.localization.calibration.moved_door import MovedDoor
 from doormill_ros.localization.calibration.scale_test import scale_tests
 from doormill_ros.localization.camera import CameraModel, load_camera
-from doormill_ros.localization.picture_file import read_picture, write_picture
+from doormill_ros.localization.pictures.picture_file import read_picture, write_picture
 from doormill_ros.localization.sensors.corner_edges import PictureQuality
 from doormill_ros.localization.settings import LocalizerSettings, load_settings, settings_of
 from doormill_ros.recipes.door import DoorSize

@@ -14,8 +14,8 @@ from doormill_ros.localization.calibration.camera_file import read_document, wit
 from doormill_ros.localization.calibration.empty_picture import empty_picture
 from doormill_ros.localization.calibration.errors import BadCalibrationFile
 from doormill_ros.localization.camera import load_camera
-from doormill_ros.localization.empty_clamp import EmptyClampEntry
-from doormill_ros.localization.picture_file import read_picture, write_picture
+from doormill_ros.localization.empty_clamp.empty_clamp import EmptyClampEntry
+from doormill_ros.localization.pictures.picture_file import read_picture, write_picture
 from doormill_ros.tools.calibration.boards import Stream
 from doormill_ros.units import mm_to_m
 

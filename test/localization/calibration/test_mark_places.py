@@ -11,7 +11,7 @@ import pytest
 
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.localization.camera import load_camera
-from doormill_ros.localization.drift import drift_in
+from doormill_ros.localization.marks.drift import drift_in
 from doormill_ros.simulation.picture.picture import render_picture
 from doormill_ros.simulation.picture.scene import PictureScene, SceneCamera
 from doormill_ros.tools import calibrate

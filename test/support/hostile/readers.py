@@ -16,7 +16,7 @@ from doormill_ros.catalogue.bag_rows import read_inspection_row, read_rows
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.localization.calibration.camera_file import read_document, write_document
 from doormill_ros.localization.camera import load_camera
-from doormill_ros.localization.picture_file import read_picture
+from doormill_ros.localization.pictures.picture_file import read_picture
 from doormill_ros.localization.sensors.axis_vision import load_axis_vision
 from doormill_ros.localization.sensors.freedom import load_freedom
 from doormill_ros.localization.sensors.one_camera import load_one_camera

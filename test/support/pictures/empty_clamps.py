@@ -12,7 +12,7 @@ import numpy as np
 
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.localization.camera import CameraModel, load_camera
-from doormill_ros.localization.empty_clamp import EmptyClamp
+from doormill_ros.localization.empty_clamp.empty_clamp import EmptyClamp
 from doormill_ros.simulation.picture.optics import expose
 from doormill_ros.simulation.picture.picture import exposure
 from doormill_ros.simulation.picture.scene import Blot, PictureScene, SceneCamera, Surface

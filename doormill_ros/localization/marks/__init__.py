@@ -1,0 +1,1 @@
+"""Marks in the cell that tell whether the camera has moved."""

@@ -1,0 +1,1 @@
+"""Pictures in files, in folders and in compressed messages."""
