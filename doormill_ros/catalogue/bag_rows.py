@@ -12,6 +12,7 @@ from doormill_ros.catalogue.run_collector import RunCollector, topic_of
 from doormill_ros.config import read_document
 from doormill_ros.recording.bag_folders import content_of_bag
 from doormill_ros.recording.bag_reader import read_bag
+from doormill_ros.recording.completeness import check_whole
 from doormill_ros.recording.errors import UnreadableBagError
 from doormill_ros.recording.information import information_of
 from doormill_ros.units import s_to_ns
@@ -41,7 +42,8 @@ def read_rows(folder: Path) -> BagRows:
     """The rows of a closed bag, or of one whose recorder was killed.
 
     Raises:
-        UnreadableBagError: No such bag, or damaged beyond reading.
+        UnreadableBagError: No such bag, or damaged.
+        IncompleteBagError: It holds fewer messages than its metadata.yaml lists.
         BadRunRecordError: It tells of a run what no catalogue can hold.
     """
     collector = RunCollector(recorder_of(folder))
@@ -50,6 +52,10 @@ def read_rows(folder: Path) -> BagRows:
             collector.take(str(topic_of(item.topic)), item.message, item.stamp_ns)
     except BadRunRecordError as error:
         raise BadRunRecordError(f"bag {folder}: {error.message}", bag=str(folder)) from error
+    try:
+        check_whole(folder)
+    except OSError as error:
+        raise _unreadable(folder, error) from error
     return finished(folder, collector)
 
 
@@ -69,9 +75,7 @@ def finished(folder: Path, collector: RunCollector) -> BagRows:
     try:
         content = content_of_bag(folder)
     except OSError as error:
-        raise UnreadableBagError(
-            f"bag {folder} cannot be read: {error}; look at the disk", folder=str(folder)
-        ) from error
+        raise _unreadable(folder, error) from error
     bag = str(folder.resolve())
     rows = tuple(
         replace(run, bag=bag, bag_sha256=content.sha256, bag_bytes=content.size) for run in collector.runs()
@@ -85,6 +89,10 @@ def finished(folder: Path, collector: RunCollector) -> BagRows:
         except BadRunRecordError as error:
             refused = refused or error.message
     return BagRows(bag, rows, inspections, refused)
+
+
+def _unreadable(folder: Path, error: OSError) -> UnreadableBagError:
+    return UnreadableBagError(f"bag {folder} cannot be read: {error}; look at the disk", folder=str(folder))
 
 
 def recorder_of(folder: Path) -> dict[str, str]:

@@ -243,7 +243,9 @@ class Stuck(Node):
         return iter(())
 
 
-def test_an_executor_that_cannot_look_what_is_ready_is_found(context, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_executor_that_cannot_look_what_is_ready_is_found(
+    context, monkeypatch: pytest.MonkeyPatch
+) -> None:
     found = threading.Event()
     monkeypatch.setattr(SteadyExecutor, "_give_up", lambda self: (found.set(), self._ended.set()))
     monkeypatch.setattr(spinning.faulthandler, "dump_traceback", lambda *_, **__: None)
