@@ -77,7 +77,8 @@ def main(argv: list[str] | None = None) -> int:
     """Run the tool.
 
     Returns:
-        0; 1 when `rebuild` refused a bag or an inspection; 2 with one line on stderr when nothing could be done.
+        0; 1 when `rebuild` refused a bag or an inspection, or `retain` could not delete or read a bag; 2 with one line
+        on stderr when nothing could be done.
     """
     arguments = parser().parse_args(argv)
     try:
@@ -162,7 +163,7 @@ def _keep(catalogue: Catalogue, arguments: argparse.Namespace) -> int:
 
 def _retain(catalogue: Catalogue, arguments: argparse.Namespace) -> int:
     retention, now_ns = Retention(arguments.days, arguments.gigabytes), s_to_ns(time.time())
-    gone = size = kept = 0
+    gone = size = kept = failed = 0
     dry, places = arguments.dry_run, arguments.inspections or monitor_folders()
     missing = next((place for place in places if not place.is_dir()), None)
     if missing is not None:
@@ -173,11 +174,14 @@ def _retain(catalogue: Catalogue, arguments: argparse.Namespace) -> int:
     for judged in (judge if dry else retain)(catalogue, retention, now_ns, places):
         gone, size = gone + judged.goes, size + judged.goes * judged.size
         kept += not judged.goes
-        if judged.reason:
+        if judged.failed:
+            failed += 1
+            print(f"catalogue: bag {judged.bag} stays: {judged.reason}", file=sys.stderr)
+        elif judged.reason:
             print(_judged(judged, dry))
     verb = "would go" if dry else "went"
     print(f"{gone} bags with {bytes_to_gigabytes(size):.3f} GB {verb}, {kept} stay")
-    return 0
+    return PARTLY if failed else 0
 
 
 def _judged(judged: Judged, dry: bool) -> str:
