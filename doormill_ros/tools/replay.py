@@ -10,10 +10,16 @@ from pathlib import Path
 from doormill_ros.errors import DoormillError
 from doormill_ros.interrupts import interruptible
 from doormill_ros.recording.accepted import accept_bag, accepted_bags
+from doormill_ros.recording.errors import AcceptedBagError
 from doormill_ros.tools.command_line import counted
 
 EQUAL, DIFFERENT, UNREADABLE = 0, 1, 2
-WORDS = EQUAL_WORD, DIFFERENT_WORD, UNREADABLE_WORD = "equal", "differs", "unreadable"
+WORDS = EQUAL_WORD, UNCOMPARED_WORD, DIFFERENT_WORD, UNREADABLE_WORD = (
+    "equal",
+    "not compared",
+    "differs",
+    "unreadable",
+)
 
 
 def _rate(text: str) -> float:
@@ -118,6 +124,10 @@ def _replay(bag: Path, options: argparse.Namespace) -> int:
     if outcome.unended:
         return UNREADABLE
     if options.accept:
+        if not counts:
+            raise AcceptedBagError(
+                f"bag {bag} is not accepted: nothing of it can be compared; accept one of a run that got further"
+            )
         print(f"{bag}: accepted as {accept_bag(bag, next(iter(outcome.answers)))}")
     return EQUAL
 
@@ -148,6 +158,7 @@ def _replay_many(options: argparse.Namespace) -> int:
                     )
                 else:
                     word = EQUAL_WORD if verdict.equal else DIFFERENT_WORD
+                    word = word if verdict.compared or verdict.differing else UNCOMPARED_WORD
                     numbers = (str(verdict.runs), str(verdict.compared), str(verdict.differing))
                     first = verdict.first
                 found[word] += 1

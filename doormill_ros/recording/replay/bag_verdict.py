@@ -18,7 +18,7 @@ class BagVerdict:
         runs: How many it holds.
         compared: Messages that were compared.
         differing: Fields that differ.
-        first: The first of them; empty where none does.
+        first: The first of them, else the first message that was not compared and why; empty without either.
     """
 
     runs: int
@@ -28,8 +28,8 @@ class BagVerdict:
 
     @property
     def equal(self) -> bool:
-        """Nothing differs."""
-        return self.differing == 0
+        """Something was compared, and nothing differs."""
+        return self.compared > 0 and self.differing == 0
 
 
 def judge_bag(bag: str, options: OfflineOptions | None = None) -> BagVerdict:
@@ -45,5 +45,6 @@ def judge_bag(bag: str, options: OfflineOptions | None = None) -> BagVerdict:
     outcome = replay_bag(Path(bag), partial(replay_offline, options=options))
     if not outcome.found:
         outcome.check_ended()
-    first = str(outcome.found[0]) if outcome.found else ""
+    left_out = f"not compared: {outcome.left_out[0]}" if outcome.left_out else ""
+    first = str(outcome.found[0]) if outcome.found else left_out
     return BagVerdict(len(outcome.answers), sum(outcome.counts.values()), len(outcome.found), first)
