@@ -301,7 +301,7 @@ def test_postgresql_that_does_not_answer_or_has_no_program_is_told(
     away = f"postgresql://doormill:secret-word@127.0.0.1:{server.port}/nowhere"
     assert backup_tool.main([str(tmp_path / "b.tar"), "--site", str(tmp_path), "--database", away]) == 2
     said = capsys.readouterr().err
-    assert said.startswith("backup: pg_dump failed")
+    assert said.startswith("backup: the database does not answer")
     assert "secret-word" not in said
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(BackupDatabaseError, match="pg_dump is not installed"):
