@@ -8,6 +8,7 @@ import json
 import os
 import re
 import secrets
+import stat
 import tarfile
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -97,9 +98,9 @@ def _fill(stream: IO[bytes], head: BackupHead, entries: Iterable[tuple[str, Path
     files: dict[str, dict[str, Any]] = {}
     with tarfile.open(fileobj=stream, mode="w", format=tarfile.PAX_FORMAT) as archive:
 
-        def add(name: str, source: IO[bytes], size: int) -> None:
+        def add(name: str, source: IO[bytes], size: int, mode: int = 0o644) -> None:
             member = tarfile.TarInfo(name)
-            member.size, member.mode = size, 0o644
+            member.size, member.mode = size, stat.S_IMODE(mode)
             digested = _Digested(source)
             archive.addfile(member, digested)
             files[name] = {"size": size, "sha256": digested.hexdigest()}
@@ -112,7 +113,8 @@ def _fill(stream: IO[bytes], head: BackupHead, entries: Iterable[tuple[str, Path
         for name, path in entries:
             try:
                 with path.open("rb") as source:
-                    add(name, source, os.fstat(source.fileno()).st_size)
+                    found = os.fstat(source.fileno())
+                    add(name, source, found.st_size, found.st_mode)
                     if source.read(1):
                         raise OSError("it grew")
             except OSError as error:
@@ -144,13 +146,13 @@ class Backup:
             BackupFileError: A file cannot be written.
         """
         with _opened(self.path) as members:
-            for name, stream in members:
+            for name, mode, stream in members:
                 digested = _Digested(stream)
                 try:
                     if name in (FIRST, LAST):
                         digested.read()
                     else:
-                        _copy(digested, folder / name)
+                        _copy(digested, folder / name, mode)
                 except OSError as error:
                     raise BackupFileError(
                         f"{folder / name} cannot be written: {error}; free the disk"
@@ -159,11 +161,13 @@ class Backup:
                     raise TornBackupError(f"the backup {self.path} was changed while it was read; try again")
 
 
-def _copy(source: _Digested, target: Path) -> None:
+def _copy(source: _Digested, target: Path, mode: int) -> None:
     target.parent.mkdir(parents=True, exist_ok=True)
-    with target.open("xb") as stream:
+    # Nobody else reads it before it is for whom it was.
+    with os.fdopen(os.open(target, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as stream:
         while block := source.read(BLOCK):
             stream.write(block)
+        os.fchmod(stream.fileno(), mode & 0o777)
         stream.flush()
         os.fsync(stream.fileno())
 
@@ -181,7 +185,7 @@ def read_archive(path: Path) -> Backup:
     found: dict[str, tuple[int, str]] = {}
     manifest: dict[str, Any] | None = None
     with _opened(path) as members:
-        for name, stream in members:
+        for name, _, stream in members:
             if manifest is not None:
                 raise _torn(path, f"{name} comes after its end")
             if name in found:
@@ -209,10 +213,10 @@ def read_archive(path: Path) -> Backup:
 
 
 @contextmanager
-def _opened(path: Path) -> Iterator[Iterator[tuple[str, IO[bytes]]]]:
-    """The files of an archive in turn; what is no plain file under a proper name is refused."""
+def _opened(path: Path) -> Iterator[Iterator[tuple[str, int, IO[bytes]]]]:
+    """The files of an archive in turn, with their modes; what is no plain file under a proper name is refused."""
 
-    def members(archive: tarfile.TarFile) -> Iterator[tuple[str, IO[bytes]]]:
+    def members(archive: tarfile.TarFile) -> Iterator[tuple[str, int, IO[bytes]]]:
         for member in archive:
             name = member.name
             if not member.isreg() or member.issparse():
@@ -221,7 +225,7 @@ def _opened(path: Path) -> Iterator[Iterator[tuple[str, IO[bytes]]]]:
                 raise _entry(path, name, f"allowed are files below {', '.join((DATABASE, *PARTS))}")
             stream = archive.extractfile(member)
             assert stream is not None  # only a file without content, such as a folder, has none
-            yield name, stream
+            yield name, member.mode, stream
         _complete(path, archive)
 
     try:

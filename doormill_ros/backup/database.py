@@ -71,6 +71,7 @@ class SiteDatabase:
             with _failures("copied"), _connected(self._file) as source, _connected(copy) as target:
                 source.backup(target)
                 target.execute("PRAGMA journal_mode = DELETE")
+                shutil.copymode(self._file, copy)
             return _revision(copy)
         others = _others(self._tables())
         # With their sequences, which a dump would hold all the same.
@@ -151,6 +152,9 @@ class SiteDatabase:
         if self.kind == SQLITE:
             with _failures("replaced"):
                 self._file.parent.mkdir(parents=True, exist_ok=True)
+                if not self.present:
+                    self._file.touch(0o600)
+                    shutil.copymode(copy, self._file)
                 try:
                     with _connected(copy) as source, _connected(self._file) as target:
                         source.backup(target)
@@ -257,7 +261,7 @@ def _tables_of(path: Path) -> list[str]:
 def _copy_files(source: Path, target: Path) -> None:
     for ending in ENDINGS:
         if Path(f"{source}{ending}").is_file():
-            shutil.copyfile(f"{source}{ending}", f"{target}{ending}")
+            shutil.copy(f"{source}{ending}", f"{target}{ending}")
 
 
 @contextlib.contextmanager

@@ -84,7 +84,7 @@ def _copied(path: Path, name: str, folder: Path) -> list[tuple[str, Path]]:
         copy = folder / entry
         try:
             copy.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(source, copy)
+            shutil.copy(source, copy)
         except OSError as error:
             raise BackupFileError(
                 f"{source} cannot be copied to {copy}: {error.strerror}; try again"

@@ -73,6 +73,18 @@ def test_a_site_comes_back_and_what_was_there_is_kept(
     assert sorted(p.name for p in site.iterdir() if p.name.startswith(".")) == [".backup.lock"]
 
 
+@pytest.mark.parametrize("mode", [0o600, 0o640, 0o444, 0o755])
+def test_files_are_for_whom_they_were(site: Path, tmp_path: Path, mode: int) -> None:
+    private = ("config/camera.yaml", "audit/private.jsonl", "recipes.sqlite")
+    (site / "audit" / "private.jsonl").write_text("{}\n")
+    for name in private:
+        (site / name).chmod(mode | 0o200 if name == "recipes.sqlite" else mode)
+    backup_tool.main([str(tmp_path / "b.tar"), "--site", str(site)])
+    assert restore_tool.main([str(tmp_path / "b.tar"), "--site", str(tmp_path / "new")]) == 0
+    for name in private:
+        assert (tmp_path / "new" / name).stat().st_mode == (site / name).stat().st_mode, name
+
+
 def test_an_empty_machine_gets_everything(site: Path, tmp_path: Path) -> None:
     backup_tool.main([str(tmp_path / "b.tar"), "--site", str(site)])
     assert restore_tool.main([str(tmp_path / "b.tar"), "--site", str(tmp_path / "new")]) == 0
