@@ -281,7 +281,7 @@ def _failures(what: str) -> Iterator[None]:
 
 
 def _revision(copy: Path) -> str:
-    engine = sa.create_engine(f"sqlite:///{copy}")
+    engine = sa.create_engine(sa.URL.create("sqlite", database=str(copy)))
     try:
         with engine.connect() as connection:
             return schema.current_revision(connection) or ""
