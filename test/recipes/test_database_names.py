@@ -10,7 +10,6 @@ from doormill_ros.backup.database import SiteDatabase
 from doormill_ros.backup.restore import restore
 from doormill_ros.backup.site import make_backup
 from doormill_ros.catalogue.database import Catalogue
-from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.recipes.store.database import RecipeDatabase
 from doormill_ros.recipes.store.engine import check_file
 
