@@ -136,13 +136,18 @@ def _replay_many(options: argparse.Namespace) -> int:
     """A line a bag as it is done; 1 when anything differs, else 2 when a bag or the workers cannot be used."""
     from doormill_ros.parallel.each import each
     from doormill_ros.parallel.workplace import Workplace
+    from doormill_ros.recipes.store.engine import absolute
     from doormill_ros.recording.bag_folders import bags_in
     from doormill_ros.recording.replay.bag_verdict import judge_bag
     from doormill_ros.recording.replay.offline import OfflineOptions
 
     # A worker may stand in another folder.
     bags = [str(bag.resolve()) for bag in bags_in(options.bags)]
-    chosen = OfflineOptions(robot_model=options.robot_model, database=options.database)
+    model = Path(options.robot_model)
+    chosen = OfflineOptions(
+        robot_model=str(model.absolute()) if options.robot_model and model.exists() else options.robot_model,
+        database=absolute(options.database) if options.database else "",
+    )
     place = Workplace(options.scheduler, options.workers)
     found = dict.fromkeys(WORDS, 0)
     print("verdict\tbag\truns\tcompared\tdiffering\tseconds\tfirst", flush=True)

@@ -50,6 +50,22 @@ def make_engine(url: str | None = None) -> sa.Engine:
     )
 
 
+def absolute(url: str) -> str:
+    """The same database for who stands in another folder.
+
+    Args:
+        url: As for `make_engine`.
+
+    Raises:
+        DatabaseUnreachable: Not a URL.
+    """
+    parsed, backend = _read(url)
+    if backend != "sqlite" or parsed.database in _IN_MEMORY:
+        return url
+    path = str(Path(str(parsed.database)).expanduser().absolute())
+    return path if not parsed.query else parsed.set(database=path).render_as_string(hide_password=False)
+
+
 def check_file(url: str) -> None:
     """Refuse a SQLite file that is not there: to open it would make an empty one.
 
