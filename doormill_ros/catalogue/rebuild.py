@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from doormill_ros.catalogue.bag_rows import DESCRIPTION, read_inspection_row, read_rows
+from doormill_ros.catalogue.bag_rows import DESCRIPTION, is_text, read_inspection_row, read_rows
 from doormill_ros.catalogue.database import Catalogue
 from doormill_ros.catalogue.retention import RETIRED
 from doormill_ros.errors import DoormillError
@@ -67,7 +67,7 @@ def rebuild(catalogue: Catalogue, places: Iterable[Path]) -> Iterator[Filled]:
         catalogue.store("", (), (inspection,))
         cells |= catalogue.cell_of(inspection.run_id)
     for place, (there, whole) in zip(places, found, strict=True):
-        if whole:
+        if whole and is_text(place.resolve()):
             # Whether it can be read or not, it is there.
             catalogue.forget_inspections(str(place.resolve()), {str(one.resolve()) for one in there}, cells)
             of_place = {cell for bag, one in cell_of.items() if bag.is_relative_to(place) for cell in one}

@@ -19,6 +19,7 @@ from doormill_ros.recording.replay.expectation import FILE as EXPECTATION
 from doormill_ros.units import days_to_s, gigabytes_to_bytes, s_to_ns
 
 RETIRED = ".retired"  #: end of the name of a bag that is being deleted
+LONGEST = 1e12  # s; no bag is so old
 LOOKS = 50  #: round what lies near the bags while they are deleted, so that many bags do not cost the square of it
 _LINKED = "it lies behind a link"
 
@@ -86,7 +87,7 @@ def judge(
     """
     bags = sorted(_here(_bags(catalogue.rows())), key=lambda bag: (bag.begun_ns, bag.path))
     sizes = {bag.path: 0 if _is_linked(bag.path) else _size(bag.path) for bag in bags}
-    limit = None if retention.days is None else now_ns - s_to_ns(days_to_s(retention.days))
+    limit = None if retention.days is None else now_ns - s_to_ns(min(days_to_s(retention.days), LONGEST))
     total = sum(sizes.values())
     allowed = math.inf if retention.gigabytes is None else gigabytes_to_bytes(retention.gigabytes)
     judged, needs = [], None

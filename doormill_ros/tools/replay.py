@@ -11,7 +11,7 @@ from doormill_ros.errors import DoormillError
 from doormill_ros.interrupts import interruptible
 from doormill_ros.recording.accepted import accept_bag, accepted_bags
 from doormill_ros.recording.errors import AcceptedBagError
-from doormill_ros.tools.command_line import counted
+from doormill_ros.tools.command_line import counted, in_a_column
 
 EQUAL, DIFFERENT, UNREADABLE = 0, 1, 2
 WORDS = EQUAL_WORD, UNCOMPARED_WORD, DIFFERENT_WORD, UNREADABLE_WORD = (
@@ -168,7 +168,8 @@ def _replay_many(options: argparse.Namespace) -> int:
                     first = verdict.first
                 found[word] += 1
                 done(1)
-                print("\t".join((word, answer.thing, *numbers, f"{answer.seconds:.3f}", first)), flush=True)
+                columns = (word, answer.thing, *numbers, f"{answer.seconds:.3f}", first)
+                print("\t".join(map(in_a_column, columns)), flush=True)
     except DoormillError as error:
         print(f"replay: {error.message}", file=sys.stderr)
         return DIFFERENT if found[DIFFERENT_WORD] else UNREADABLE
