@@ -22,6 +22,7 @@ from doormill_ros.backup.errors import (
     BackupFileError,
     NewerBackupError,
     TornBackupError,
+    advice_on,
 )
 from doormill_ros.resources import ACCEPTED, AUDIT, CONFIG, MODELS
 
@@ -89,7 +90,7 @@ def write_archive(path: Path, head: BackupHead, entries: Iterable[tuple[str, Pat
         read_archive(beside)
         os.replace(beside, path)
     except OSError as error:
-        raise BackupFileError(f"the backup {path} cannot be written: {error}; free the disk") from error
+        raise BackupFileError(f"the backup {path} cannot be written: {error}; {advice_on(error)}") from error
     finally:
         beside.unlink(missing_ok=True)
 
@@ -155,7 +156,7 @@ class Backup:
                         _copy(digested, folder / name, mode)
                 except OSError as error:
                     raise BackupFileError(
-                        f"{folder / name} cannot be written: {error}; free the disk"
+                        f"{folder / name} cannot be written: {error}; {advice_on(error)}"
                     ) from error
                 if name != LAST and self.digests.get(name) != digested.hexdigest():
                     raise TornBackupError(f"the backup {self.path} was changed while it was read; try again")

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import sqlalchemy as sa
 
-from doormill_ros.backup.errors import BackupDatabaseError, NewerBackupError
+from doormill_ros.backup.errors import BackupDatabaseError, NewerBackupError, advice_on
 from doormill_ros.errors import DoormillError
 from doormill_ros.recipes.store import schema
 from doormill_ros.recipes.store.database import RecipeDatabase
@@ -274,10 +274,17 @@ def _connected(path: Path) -> Iterator[sqlite3.Connection]:
 def _failures(what: str) -> Iterator[None]:
     try:
         yield
-    except (sqlite3.Error, OSError) as error:
-        raise BackupDatabaseError(
-            f"the database cannot be {what}: {error}; stop the cells that use it, or take another backup"
-        ) from error
+    except sqlite3.Error as error:
+        raise BackupDatabaseError(f"the database cannot be {what}: {error}; {_advice(error)}") from error
+    except OSError as error:
+        raise BackupDatabaseError(f"the database cannot be {what}: {error}; {advice_on(error)}") from error
+
+
+def _advice(error: sqlite3.Error) -> str:
+    name = getattr(error, "sqlite_errorname", "")
+    if name.startswith(("SQLITE_IOERR", "SQLITE_FULL")):
+        return "look at the disk, and at the limit on the size of files (ulimit -f)"
+    return "stop the cells that use it, or take another backup"
 
 
 def _revision(copy: Path) -> str:

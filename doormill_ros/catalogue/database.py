@@ -249,6 +249,10 @@ class Catalogue(Transactions):
                 )
 
     def _told(self, error: sa.exc.InterfaceError | sa.exc.DatabaseError, reason: str) -> Exception:
+        if "locked" in reason:
+            return CatalogueUnreachableError(
+                f"the catalogue {self.url} cannot be used: {reason}; ask again once the process that holds it is done"
+            )
         return CatalogueUnreachableError(
             f"the catalogue {self.url} cannot be used: {reason}; where it is damaged, move it away and fill a new "
             "one with catalogue rebuild DIR"

@@ -167,9 +167,10 @@ def _files(folder: Path) -> list[Path]:
 
 
 def _unreadable(folder: Path, error: Exception) -> BagError:
+    lacking = _lacking(folder)
+    advice = "name a folder with metadata.yaml and .mcap files" if lacking else "take another copy of the bag"
     return UnreadableBagError(
-        f"bag {folder} cannot be read: {_lacking(folder) or error}; name a folder with metadata.yaml and .mcap files",
-        folder=str(folder),
+        f"bag {folder} cannot be read: {lacking or error}; {advice}", folder=str(folder)
     )
 
 

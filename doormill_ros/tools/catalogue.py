@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 import time
 from datetime import UTC, datetime
@@ -85,8 +86,9 @@ def main(argv: list[str] | None = None) -> int:
     """
     arguments = parser().parse_args(argv)
     try:
-        if arguments.database is not None and arguments.command != "rebuild":
-            check_file(arguments.database)
+        named = arguments.database or os.environ.get(ENVIRONMENT)
+        if named and arguments.command != "rebuild":
+            check_file(named)
         with Catalogue(arguments.database) as catalogue:
             return COMMANDS[arguments.command](catalogue, arguments)
     except DoormillError as error:

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import os
+import sqlite3
+from contextlib import closing
 from pathlib import Path
 
 import pytest
 
-from doormill_ros.catalogue.database import Catalogue
+from doormill_ros.catalogue.database import ENVIRONMENT, Catalogue
+from doormill_ros.recipes.store import engine
 from doormill_ros.tools.catalogue import main
 from support.run_bags import DrawnRun, write_inspection_note, write_run_bag
 
@@ -98,3 +101,27 @@ def test_names_break_no_line(url: str, tmp_path: Path, capsys: pytest.CaptureFix
     )
     *lines, _ = capsys.readouterr().out.splitlines()
     assert {len(line.split("\t")) for line in lines} == {5}
+
+
+def test_a_catalogue_that_the_environment_names_and_is_not_there_is_not_made(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv(ENVIRONMENT, str(tmp_path / "typo.sqlite"))
+    assert main(["list"]) == 2
+    assert f"there is no database {tmp_path / 'typo.sqlite'}" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+    monkeypatch.delenv(ENVIRONMENT)
+    assert main(["list"]) == 0  # of a site that has none yet
+
+
+def test_a_catalogue_that_another_process_holds_is_not_called_damaged(
+    url: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(engine, "BUSY_SECONDS", 0.1)
+    with closing(sqlite3.connect(url, isolation_level=None)) as other:
+        other.execute("BEGIN IMMEDIATE")
+        assert main(["--database", url, "keep", "run_0"]) == 2
+    said = capsys.readouterr().err
+    assert "locked" in said
+    assert "damaged" not in said
+    assert "ask again once the process that holds it is done" in said
