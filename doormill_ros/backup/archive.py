@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import io
 import json
@@ -10,6 +11,7 @@ import re
 import secrets
 import stat
 import tarfile
+import time
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
@@ -32,6 +34,7 @@ PARTS = (CONFIG, MODELS, ACCEPTED, AUDIT)  #: folders of a site that a backup ho
 DATABASE = "database"
 LONGEST_TEXT = 64 << 20  # bytes; of the first and the last file
 BLOCK = 1 << 20  # bytes
+FORGOTTEN = 86_400.0  # s
 
 
 @dataclass(frozen=True)
@@ -93,6 +96,15 @@ def write_archive(path: Path, head: BackupHead, entries: Iterable[tuple[str, Pat
         raise BackupFileError(f"the backup {path} cannot be written: {error}; {advice_on(error)}") from error
     finally:
         beside.unlink(missing_ok=True)
+
+
+def sweep_parts(path: Path) -> None:
+    """Delete what killed backups left beside a file: of this name, and of others when nobody wrote to it for a day."""
+    for left in path.parent.glob(".*.part"):
+        part = re.fullmatch(r"\.(.+)\.[0-9a-f]{12}\.part", left.name)
+        with contextlib.suppress(OSError):
+            if part and (part[1] == path.name or time.time() - left.stat().st_mtime > FORGOTTEN):
+                left.unlink()
 
 
 def _fill(stream: IO[bytes], head: BackupHead, entries: Iterable[tuple[str, Path]]) -> None:

@@ -7,6 +7,7 @@ import sqlite3
 import subprocess
 import sys
 import threading
+import time
 from pathlib import Path
 
 import pytest
@@ -265,6 +266,38 @@ def test_a_restore_killed_at_any_step_is_taken_back_or_done(
             break
     # The mark, four times old out and new in, the database, and the rename with which it is done.
     assert outcomes == [(9, True)] * 11 + [(9, False)]
+
+
+KILLED = """
+import os, sys
+from pathlib import Path
+import doormill_ros.backup.archive as room
+from doormill_ros.tools.backup import main
+room.read_archive = lambda path: os._exit(9)
+main([sys.argv[1], "--site", sys.argv[2]])
+"""
+
+
+def test_what_a_killed_backup_left_is_swept_by_the_next(site: Path, tmp_path: Path) -> None:
+    target = tmp_path / "backups" / "b.tar"
+    command = [sys.executable, "-c", KILLED, str(target), str(site)]
+    assert subprocess.run(command, timeout=LIMIT).returncode == 9
+    assert len(list(site.glob(".backup-*"))) == 1
+    assert len(list(target.parent.iterdir())) == 1
+    # Whatever else lies there is somebody's.
+    for name in (".c.tar.0123456789ab.part", ".b.tar.part", "b.tar.0123456789ab.part"):
+        (target.parent / name).write_text("mine")
+    old = target.parent / ".d.tar.0123456789ab.part"
+    old.write_text("of a backup that was killed the day before yesterday")
+    os.utime(old, (time.time() - 2 * 86400,) * 2)
+    assert backup_tool.main([str(target), "--site", str(site)]) == 0
+    assert list(site.glob(".backup-*")) == []
+    assert sorted(path.name for path in target.parent.iterdir()) == [
+        ".b.tar.part",
+        ".c.tar.0123456789ab.part",
+        "b.tar",
+        "b.tar.0123456789ab.part",
+    ]
 
 
 def test_one_at_a_time(site: Path, tmp_path: Path) -> None:

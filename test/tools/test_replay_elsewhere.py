@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
@@ -18,6 +19,7 @@ from doormill_ros.recording.replay.offline import OfflineOptions
 from doormill_ros.resources import share_directory
 from doormill_ros.tools.replay import main
 from support.source_tree import ROOT
+from support.waiting import LIMIT, until
 
 SMALL = ROOT / "bags" / "unknown_door"
 
@@ -58,6 +60,40 @@ def test_a_relative_database_is_the_one_of_who_asks(
         assert main(["--many", str(SMALL), "--scheduler", worker, "--database", name]) == 0
         assert "equal" in capsys.readouterr().out
     assert not list((tmp_path / "there").rglob("*.sqlite"))
+
+
+def test_a_scheduler_that_dies_costs_one_sentence(tmp_path: Path) -> None:
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
+
+    def start(*arguments: str, **more: object) -> subprocess.Popen[str]:
+        command = [sys.executable, "-m", *arguments]
+        quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+        return subprocess.Popen(command, env=environment, cwd=tmp_path, text=True, **(quiet | more))  # type: ignore
+
+    place = tmp_path / "scheduler.json"
+    chosen = ("--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file", str(place))
+    scheduler = start("distributed.cli.dask_scheduler", *chosen)
+    processes = [scheduler]
+    try:
+        until(place.is_file)
+        address = json.loads(place.read_text())["address"]
+        processes.append(start("distributed.cli.dask_worker", address, "--no-nanny", "--nthreads", "1"))
+        pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+        asked = ("doormill_ros.tools.replay", "--many", str(ROOT / "bags"), "--scheduler", address)
+        asking = start(*asked, **pipes)
+        processes.append(asking)
+        assert asking.stdout is not None
+        assert asking.stdout.readline().startswith("verdict")
+        asking.stdout.readline()
+        scheduler.kill()
+        _, said = asking.communicate(timeout=LIMIT)
+    finally:
+        for process in processes:
+            process.kill()
+            process.wait()
+    assert asking.returncode == 2
+    assert "Traceback" not in said
+    assert "replay: the scheduler went away" in said
 
 
 def test_another_configuration_than_that_of_who_asks_is_said(
