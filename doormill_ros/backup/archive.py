@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import io
 import json
 import os
 import re
 import secrets
+import stat
 import tarfile
+import time
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
@@ -21,6 +24,7 @@ from doormill_ros.backup.errors import (
     BackupFileError,
     NewerBackupError,
     TornBackupError,
+    advice_on,
 )
 from doormill_ros.resources import ACCEPTED, AUDIT, CONFIG, MODELS
 
@@ -30,6 +34,7 @@ PARTS = (CONFIG, MODELS, ACCEPTED, AUDIT)  #: folders of a site that a backup ho
 DATABASE = "database"
 LONGEST_TEXT = 64 << 20  # bytes; of the first and the last file
 BLOCK = 1 << 20  # bytes
+FORGOTTEN = 86_400.0  # s
 
 
 @dataclass(frozen=True)
@@ -88,18 +93,27 @@ def write_archive(path: Path, head: BackupHead, entries: Iterable[tuple[str, Pat
         read_archive(beside)
         os.replace(beside, path)
     except OSError as error:
-        raise BackupFileError(f"the backup {path} cannot be written: {error}; free the disk") from error
+        raise BackupFileError(f"the backup {path} cannot be written: {error}; {advice_on(error)}") from error
     finally:
         beside.unlink(missing_ok=True)
+
+
+def sweep_parts(path: Path) -> None:
+    """Delete what killed backups left beside a file: of this name, and of others when nobody wrote to it for a day."""
+    for left in path.parent.glob(".*.part"):
+        part = re.fullmatch(r"\.(.+)\.[0-9a-f]{12}\.part", left.name)
+        with contextlib.suppress(OSError):
+            if part and (part[1] == path.name or time.time() - left.stat().st_mtime > FORGOTTEN):
+                left.unlink()
 
 
 def _fill(stream: IO[bytes], head: BackupHead, entries: Iterable[tuple[str, Path]]) -> None:
     files: dict[str, dict[str, Any]] = {}
     with tarfile.open(fileobj=stream, mode="w", format=tarfile.PAX_FORMAT) as archive:
 
-        def add(name: str, source: IO[bytes], size: int) -> None:
+        def add(name: str, source: IO[bytes], size: int, mode: int = 0o644) -> None:
             member = tarfile.TarInfo(name)
-            member.size, member.mode = size, 0o644
+            member.size, member.mode = size, stat.S_IMODE(mode)
             digested = _Digested(source)
             archive.addfile(member, digested)
             files[name] = {"size": size, "sha256": digested.hexdigest()}
@@ -112,7 +126,8 @@ def _fill(stream: IO[bytes], head: BackupHead, entries: Iterable[tuple[str, Path
         for name, path in entries:
             try:
                 with path.open("rb") as source:
-                    add(name, source, os.fstat(source.fileno()).st_size)
+                    found = os.fstat(source.fileno())
+                    add(name, source, found.st_size, found.st_mode)
                     if source.read(1):
                         raise OSError("it grew")
             except OSError as error:
@@ -144,26 +159,28 @@ class Backup:
             BackupFileError: A file cannot be written.
         """
         with _opened(self.path) as members:
-            for name, stream in members:
+            for name, mode, stream in members:
                 digested = _Digested(stream)
                 try:
                     if name in (FIRST, LAST):
                         digested.read()
                     else:
-                        _copy(digested, folder / name)
+                        _copy(digested, folder / name, mode)
                 except OSError as error:
                     raise BackupFileError(
-                        f"{folder / name} cannot be written: {error}; free the disk"
+                        f"{folder / name} cannot be written: {error}; {advice_on(error)}"
                     ) from error
                 if name != LAST and self.digests.get(name) != digested.hexdigest():
                     raise TornBackupError(f"the backup {self.path} was changed while it was read; try again")
 
 
-def _copy(source: _Digested, target: Path) -> None:
+def _copy(source: _Digested, target: Path, mode: int) -> None:
     target.parent.mkdir(parents=True, exist_ok=True)
-    with target.open("xb") as stream:
+    # Nobody else reads it before it is for whom it was.
+    with os.fdopen(os.open(target, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as stream:
         while block := source.read(BLOCK):
             stream.write(block)
+        os.fchmod(stream.fileno(), mode & 0o777)
         stream.flush()
         os.fsync(stream.fileno())
 
@@ -181,7 +198,7 @@ def read_archive(path: Path) -> Backup:
     found: dict[str, tuple[int, str]] = {}
     manifest: dict[str, Any] | None = None
     with _opened(path) as members:
-        for name, stream in members:
+        for name, _, stream in members:
             if manifest is not None:
                 raise _torn(path, f"{name} comes after its end")
             if name in found:
@@ -209,10 +226,10 @@ def read_archive(path: Path) -> Backup:
 
 
 @contextmanager
-def _opened(path: Path) -> Iterator[Iterator[tuple[str, IO[bytes]]]]:
-    """The files of an archive in turn; what is no plain file under a proper name is refused."""
+def _opened(path: Path) -> Iterator[Iterator[tuple[str, int, IO[bytes]]]]:
+    """The files of an archive in turn, with their modes; what is no plain file under a proper name is refused."""
 
-    def members(archive: tarfile.TarFile) -> Iterator[tuple[str, IO[bytes]]]:
+    def members(archive: tarfile.TarFile) -> Iterator[tuple[str, int, IO[bytes]]]:
         for member in archive:
             name = member.name
             if not member.isreg() or member.issparse():
@@ -221,7 +238,7 @@ def _opened(path: Path) -> Iterator[Iterator[tuple[str, IO[bytes]]]]:
                 raise _entry(path, name, f"allowed are files below {', '.join((DATABASE, *PARTS))}")
             stream = archive.extractfile(member)
             assert stream is not None  # only a file without content, such as a folder, has none
-            yield name, stream
+            yield name, member.mode, stream
         _complete(path, archive)
 
     try:

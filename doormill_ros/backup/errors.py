@@ -2,7 +2,27 @@
 
 from __future__ import annotations
 
+import errno
+
 from doormill_ros.errors import DoormillError
+
+_ADVICE = {
+    errno.ENOSPC: "free the disk",
+    errno.EDQUOT: "free the disk",
+    errno.EFBIG: "raise the limit on the size of files (ulimit -f)",
+    errno.ENAMETOOLONG: "no backup of a site has such names",
+    errno.ENOTDIR: "no backup of a site has such names",
+    errno.EISDIR: "no backup of a site has such names",
+    errno.EEXIST: "no backup of a site has such names",
+    errno.EACCES: "let it be written by this user",
+    errno.EPERM: "let it be written by this user",
+    errno.EROFS: "let it be written by this user",
+}
+
+
+def advice_on(error: OSError) -> str:
+    """What helps where the disk refuses to write something."""
+    return _ADVICE.get(error.errno or 0, "look at the disk")
 
 
 class BackupError(DoormillError):

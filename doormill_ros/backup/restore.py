@@ -11,7 +11,7 @@ from typing import Any
 
 from doormill_ros.backup.archive import DATABASE, PARTS, Backup
 from doormill_ros.backup.database import SiteDatabase
-from doormill_ros.backup.errors import RestoreError
+from doormill_ros.backup.errors import RestoreError, advice_on
 from doormill_ros.errors import DoormillError
 from doormill_ros.files import write_atomically
 
@@ -61,7 +61,9 @@ def restore(backup: Backup, site: Path, database: SiteDatabase) -> Path:
                 f"{work / OLD}, run `restore` again"
             ) from error
         if isinstance(error, OSError):
-            raise RestoreError(f"the restore failed and was taken back: {error}; free the disk") from error
+            raise RestoreError(
+                f"the restore failed and was taken back: {error}; {advice_on(error)}"
+            ) from error
         raise
 
 

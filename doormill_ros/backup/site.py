@@ -12,13 +12,22 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from doormill_ros import __version__
-from doormill_ros.backup.archive import DATABASE, PARTS, Backup, BackupHead, read_archive, write_archive
+from doormill_ros.backup.archive import (
+    DATABASE,
+    PARTS,
+    Backup,
+    BackupHead,
+    read_archive,
+    sweep_parts,
+    write_archive,
+)
 from doormill_ros.backup.database import SiteDatabase
 from doormill_ros.backup.errors import BackupFileError, RestoreBusyError
 from doormill_ros.models.store import ModelStore
 from doormill_ros.resources import AUDIT, MODELS
 
 LOCK = ".backup.lock"
+_COPIES = ".backup-"  # begin of the name of a folder of copies
 _WRITTEN = (MODELS, AUDIT)  # parts that nodes write to meanwhile
 
 
@@ -59,7 +68,10 @@ def make_backup(site: Path, database: SiteDatabase, path: Path) -> Backup:
         DatabaseUnreachable: The database does not answer.
     """
     made = datetime.now(UTC).isoformat(timespec="seconds")
-    with tempfile.TemporaryDirectory(prefix=".backup-", dir=site) as folder:
+    sweep_parts(path)
+    for left in site.glob(f"{_COPIES}*"):
+        shutil.rmtree(left, ignore_errors=True)  # of a backup that was killed: nobody else works on this site
+    with tempfile.TemporaryDirectory(prefix=_COPIES, dir=site) as folder:
         entries = [entry for part in PARTS if part not in _WRITTEN for entry in _files(site / part, part, ())]
         with ModelStore(site / MODELS).held():
             entries += [entry for part in _WRITTEN for entry in _copied(site / part, part, Path(folder))]
@@ -84,7 +96,7 @@ def _copied(path: Path, name: str, folder: Path) -> list[tuple[str, Path]]:
         copy = folder / entry
         try:
             copy.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(source, copy)
+            shutil.copy(source, copy)
         except OSError as error:
             raise BackupFileError(
                 f"{source} cannot be copied to {copy}: {error.strerror}; try again"

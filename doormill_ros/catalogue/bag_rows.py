@@ -12,7 +12,8 @@ from doormill_ros.catalogue.run_collector import RunCollector, topic_of
 from doormill_ros.config import read_document
 from doormill_ros.recording.bag_folders import content_of_bag
 from doormill_ros.recording.bag_reader import read_bag
-from doormill_ros.recording.errors import UnreadableBagError
+from doormill_ros.recording.completeness import check_whole
+from doormill_ros.recording.errors import BagError, UnreadableBagError
 from doormill_ros.recording.information import information_of
 from doormill_ros.units import s_to_ns
 
@@ -41,7 +42,8 @@ def read_rows(folder: Path) -> BagRows:
     """The rows of a closed bag, or of one whose recorder was killed.
 
     Raises:
-        UnreadableBagError: No such bag, or damaged beyond reading.
+        UnreadableBagError: No such bag, or damaged.
+        IncompleteBagError: It holds fewer messages than its metadata.yaml lists.
         BadRunRecordError: It tells of a run what no catalogue can hold.
     """
     collector = RunCollector(recorder_of(folder))
@@ -50,6 +52,10 @@ def read_rows(folder: Path) -> BagRows:
             collector.take(topic_of(item.topic), item.message, item.stamp_ns)
     except BadRunRecordError as error:
         raise BadRunRecordError(f"bag {folder}: {error.message}", bag=str(folder)) from error
+    try:
+        check_whole(folder)
+    except OSError as error:
+        raise _unreadable(folder, error) from error
     return finished(folder, collector)
 
 
@@ -60,18 +66,11 @@ def finished(folder: Path, collector: RunCollector) -> BagRows:
         UnreadableBagError: Its files cannot be read.
         BadRunRecordError: Its path is no text.
     """
-    try:
-        str(folder.resolve()).encode()
-    except UnicodeEncodeError as error:
-        raise BadRunRecordError(
-            f"bag {str(folder)!r} lies in a folder whose name is no UTF-8; rename the folder", bag=str(folder)
-        ) from error
+    _check_name(folder)
     try:
         content = content_of_bag(folder)
     except OSError as error:
-        raise UnreadableBagError(
-            f"bag {folder} cannot be read: {error}; look at the disk", folder=str(folder)
-        ) from error
+        raise _unreadable(folder, error) from error
     bag = str(folder.resolve())
     rows = tuple(
         replace(run, bag=bag, bag_sha256=content.sha256, bag_bytes=content.size) for run in collector.runs()
@@ -85,6 +84,26 @@ def finished(folder: Path, collector: RunCollector) -> BagRows:
         except BadRunRecordError as error:
             refused = refused or error.message
     return BagRows(bag, rows, inspections, refused)
+
+
+def is_text(path: Path) -> bool:
+    """Whether a catalogue can hold a path."""
+    try:
+        str(path).encode()
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
+def _check_name(folder: Path) -> None:
+    if not is_text(folder.resolve()):
+        raise BadRunRecordError(
+            f"{str(folder)!r} lies in a folder whose name is no UTF-8; rename the folder", folder=str(folder)
+        )
+
+
+def _unreadable(folder: Path, error: OSError) -> BagError:
+    return UnreadableBagError(f"bag {folder} cannot be read: {error}; look at the disk", folder=str(folder))
 
 
 def recorder_of(folder: Path) -> dict[str, str]:
@@ -101,8 +120,9 @@ def read_inspection_row(folder: Path) -> CataloguedInspection:
     """That a door was inspected, from the description alone; the points are the diagnosis' business.
 
     Raises:
-        BadRunRecordError: It cannot be read, or names no run or time.
+        BadRunRecordError: It cannot be read, names no run or time, or its path is no text.
     """
+    _check_name(folder)
     path = folder / DESCRIPTION
     document = read_document(path, BadRunRecordError, "see docs/inspection.md")
     values = document if isinstance(document, dict) else {}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -15,10 +15,12 @@ from doormill_ros.catalogue.run import CataloguedInspection, CataloguedRun, Cata
 from doormill_ros.recipes.store.engine import default_url
 from doormill_ros.recipes.store.statements import insert_into
 from doormill_ros.recipes.store.transactions import Transactions
+from doormill_ros.recording.bag_folders import content_of_bag
 
 ENVIRONMENT, FILE = "DOORMILL_CATALOGUE", "catalogue.sqlite"
 PAGE = 2000  # rows that are read at a time
 _RUN = [field.name for field in fields(CataloguedRun)]
+_PLACE = ("bag", "bag_sha256", "bag_bytes")
 
 
 @dataclass(frozen=True)
@@ -28,6 +30,7 @@ class Selection:
     Attributes:
         door_id: Of this door.
         run_id: This one.
+        bag: Of the bag in this folder.
         since_ns, until_ns: Begun from then on, and before then [ns since the epoch].
         failed: True for those that did not end well or did not end.
     """
@@ -37,6 +40,7 @@ class Selection:
     since_ns: int | None = None
     until_ns: int | None = None
     failed: bool = False
+    bag: str = ""
 
     def conditions(self) -> list[sa.ColumnElement[bool]]:
         """The same as conditions on `catalogue_run`."""
@@ -46,6 +50,8 @@ class Selection:
             found.append(columns.door_id == self.door_id)
         if self.run_id:
             found.append(columns.run_id == self.run_id)
+        if self.bag:
+            found.append(columns.bag == self.bag)
         if self.since_ns is not None:
             found.append(columns.begun_ns >= self.since_ns)
         if self.until_ns is not None:
@@ -86,14 +92,16 @@ class Catalogue(Transactions):
     ) -> None:
         """Put the runs of a bag and inspections in place of what was known of them: all of it, or nothing.
 
-        Other runs of the cell that were in a bag of this place have lost it. A run whose other bag is the same, byte
-        for byte, and still there stays with that one.
+        Other runs of the cell that were in a bag of this place have lost it. A run whose other bag is still there as it
+        is known stays with that one, unless the run ended in this bag alone; no run that ended becomes one that did
+        not.
 
         Args:
             bag: The bag's folder as it stands in the runs.
             runs: All that the bag holds so far.
             inspections: Found beside it.
         """
+        elsewhere = self._elsewhere(runs)
         with self.write() as connection:
             schema.lock(connection)
             ids, cells = [run.run_id for run in runs], {run.cell for run in runs}
@@ -103,7 +111,7 @@ class Catalogue(Transactions):
                     (schema.run.c.bag == bag) & schema.run.c.run_id.not_in(ids) & schema.run.c.cell.in_(cells)
                 )
                 connection.execute(schema.run.update().where(lost).values(bag="", bag_sha256="", bag_bytes=0))
-            self._put_runs(connection, runs)
+            _put_runs(connection, runs, elsewhere)
             for one in sorted(inspections, key=lambda one: (one.run_id, one.inspection)):
                 # An inspection is of one run: of another it was before somebody put it right.
                 own = sa.select(schema.run.c.cell).where(schema.run.c.run_id == one.run_id)
@@ -116,12 +124,34 @@ class Catalogue(Transactions):
         """Put runs of a bag that is being recorded beside those that are known of it: all of them, or none."""
         with self.write() as connection:
             schema.lock(connection)
-            self._put_runs(connection, runs)
+            _put_runs(connection, runs, {})
 
-    def _put_runs(self, connection: sa.Connection, runs: Iterable[CataloguedRun]) -> None:
-        for run in sorted(runs, key=lambda run: run.run_id):
-            if not self._is_copy(connection, run):
-                _put(connection, schema.run, asdict(run))
+    def _elsewhere(self, runs: Sequence[CataloguedRun]) -> dict[str, str]:
+        """The bag of each run that is known to lie elsewhere and still does; read from the disk before any lock."""
+        columns, bags = schema.run.c, {run.run_id: run.bag for run in runs}
+        query = sa.select(columns.run_id, columns.bag, columns.bag_sha256)
+        query = query.where(columns.run_id.in_(bags), columns.bag_sha256 != "")
+        with self._failures(), self._engine.connect() as connection:
+            known = [row for row in connection.execute(query) if row.bag != bags[row.run_id]]
+        there = {bag for bag, sha256 in {(row.bag, row.bag_sha256) for row in known} if _holds(bag, sha256)}
+        return {row.run_id: row.bag for row in known if row.bag in there}
+
+    def forget_bags(self, folder: str, there: Collection[str], cells: Collection[str]) -> None:
+        """The bags below a folder are these: the runs of others have lost them.
+
+        Args:
+            folder: Absolute, as in the rows.
+            there: Folders of bags.
+            cells: Another machine may have a folder of the same path: runs of other cells keep theirs.
+        """
+        columns = schema.run.c
+        within = sa.or_(columns.bag == folder, columns.bag.startswith(f"{folder}/", autoescape=True))
+        with self.write() as connection:
+            schema.lock(connection)
+            known = connection.execute(sa.select(columns.bag).where(within).distinct()).scalars()
+            for gone in set(known) - set(there):
+                lost = schema.run.update().where(columns.bag == gone, columns.cell.in_(cells))
+                connection.execute(lost.values(bag="", bag_sha256="", bag_bytes=0))
 
     def forget_inspections(self, folder: str, there: Collection[str], cells: Collection[str]) -> None:
         """The inspections below a folder are these: others of runs of the cells are gone.
@@ -166,16 +196,6 @@ class Catalogue(Transactions):
             connection.execute(schema.inspection.delete().where(columns.run_id == run_id, within))
             for one in inspections:
                 _put(connection, schema.inspection, asdict(one))
-
-    @staticmethod
-    def _is_copy(connection: sa.Connection, run: CataloguedRun) -> bool:
-        """True for a run whose known bag is another one with the same content."""
-        columns = schema.run.c
-        query = sa.select(columns.bag).where(
-            columns.run_id == run.run_id, columns.bag_sha256 == run.bag_sha256
-        )
-        known = connection.execute(query).scalar() if run.bag_sha256 else None
-        return known is not None and known != run.bag and Path(known).is_dir()
 
     def keep(self, run_ids: Sequence[str], reason: str) -> None:
         """Keep the bags of runs for ever, or no longer so with an empty reason: of all of them, or of none.
@@ -229,10 +249,35 @@ class Catalogue(Transactions):
                 )
 
     def _told(self, error: sa.exc.InterfaceError | sa.exc.DatabaseError, reason: str) -> Exception:
+        if "locked" in reason:
+            return CatalogueUnreachableError(
+                f"the catalogue {self.url} cannot be used: {reason}; ask again once the process that holds it is done"
+            )
         return CatalogueUnreachableError(
             f"the catalogue {self.url} cannot be used: {reason}; where it is damaged, move it away and fill a new "
             "one with catalogue rebuild DIR"
         )
+
+
+def _put_runs(connection: sa.Connection, runs: Iterable[CataloguedRun], elsewhere: Mapping[str, str]) -> None:
+    for run in sorted(runs, key=lambda run: run.run_id):
+        query = sa.select(schema.run).where(schema.run.c.run_id == run.run_id)
+        known = connection.execute(query).mappings().first()
+        ended = known is not None and known["success"] is not None
+        if known is not None and known["bag"] == elsewhere.get(run.run_id) and (ended or run.success is None):
+            continue
+        values = asdict(run)
+        if known is not None and ended and run.success is None:
+            values = {**known, **{name: values[name] for name in _PLACE}}
+        _put(connection, schema.run, values)
+
+
+def _holds(bag: str, sha256: str) -> bool:
+    """True where a folder holds the bag of this checksum."""
+    try:
+        return content_of_bag(Path(bag)).sha256 == sha256
+    except OSError:
+        return False
 
 
 def _put(connection: sa.Connection, table: sa.Table, values: dict[str, Any]) -> None:

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from doormill_ros.catalogue.database import Catalogue
 
 MOST_HELD = 200  # messages of runs that do not end
+STOP_LIMIT = 10.0  # s, for a database to answer once the recording is over
 
 _LOG = logging.getLogger(__name__)
 
@@ -45,6 +46,7 @@ class RunFiller:
         self._decode = decode
         self._collector = RunCollector(recorder)
         self._catalogue: Catalogue | None = None
+        self._read = threading.Event()  # the closed bag is
         self._begun = False  # a run of this bag is noted
         self._received: queue.SimpleQueue[tuple[str, bytes, int] | None] = queue.SimpleQueue()
         self._thread = threading.Thread(target=self._fill, name="catalogue_filler", daemon=True)
@@ -64,12 +66,25 @@ class RunFiller:
         self._received.put((topic, data, stamp_ns))
 
     def stop(self) -> None:
-        """Note what the closed bag holds, with its checksum and the inspection beside it."""
+        """Note what the closed bag holds, with its checksum and the inspection beside it.
+
+        A database that does not answer is left, and `failure` says so: it may be silent for ever.
+        """
         self._received.put(None)
-        self._thread.join()
-        self._try(self._finish)
-        if self._catalogue is not None:
-            self._catalogue.close()
+        if self._ended(self._thread):
+            finishing = functools.partial(self._try, self._finish)
+            thread = threading.Thread(target=finishing, name="catalogue_filler", daemon=True)
+            thread.start()
+            # To read the bag takes as long as it is large; to store its rows does not.
+            self._read.wait()
+            self._ended(thread)
+
+    def _ended(self, thread: threading.Thread) -> bool:
+        thread.join(STOP_LIMIT)
+        if thread.is_alive():
+            why = f"it does not answer within {STOP_LIMIT:g} s"
+            self.failure = f"runs are not in the catalogue: {why}; catalogue rebuild {self._bag} adds them"
+        return not thread.is_alive()
 
     def _fill(self) -> None:
         # Read when a run has ended: before, the processor is the door's, which waits for its targets.
@@ -98,12 +113,18 @@ class RunFiller:
             self._collector.noted()
 
     def _finish(self) -> None:
-        if not self._collector.runs():
-            return
-        from doormill_ros.catalogue.bag_rows import finished  # late, as below
+        try:
+            if not self._collector.runs():
+                return
+            from doormill_ros.catalogue.bag_rows import finished  # late, as below
 
-        rows = finished(self._bag, self._collector)
-        self._open().store(rows.bag, rows.runs, rows.inspections)
+            rows = finished(self._bag, self._collector)
+            self._read.set()
+            self._open().store(rows.bag, rows.runs, rows.inspections)
+        finally:
+            self._read.set()
+            if self._catalogue is not None:
+                self._catalogue.close()
 
     def _open(self) -> Catalogue:
         # Late: the database's library is half of a recorder's start, and no run has ended before.

@@ -43,20 +43,23 @@ class Needs:
 
 
 def find_needs(places: Iterable[Path]) -> Needs:
-    """The inspections below some places, at any depth; no link is followed.
+    """The inspections below some places, at any depth and behind links.
 
     Args:
         places: Folders; one that is not there holds none.
     """
-    needs, resolved = Needs(), sorted({place.resolve() for place in places if place.is_dir()})
-    done: list[Path] = []
-    for place in resolved:
-        if done and place.is_relative_to(done[-1]):
-            continue  # sorted: what holds it came before
-        done.append(place)
-        for name, _, files in os.walk(place, onerror=lambda error: _doubt(needs, error)):
+    needs, done = Needs(), set[str]()
+    waiting = sorted({str(place.resolve()) for place in places if place.is_dir()})
+    while waiting:
+        for name, folders, files in os.walk(waiting.pop(0), onerror=lambda error: _doubt(needs, error)):
+            if name in done:
+                folders.clear()
+                continue
+            done.add(name)
             if DESCRIPTION in files:
                 _take(needs, Path(name))
+            links = (os.path.join(name, folder) for folder in folders)
+            waiting += [os.path.realpath(link) for link in links if os.path.islink(link)]
     return needs
 
 

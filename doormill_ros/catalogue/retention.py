@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from doormill_ros.catalogue.bag_rows import BESIDE, DESCRIPTION
-from doormill_ros.catalogue.database import Catalogue
+from doormill_ros.catalogue.database import Catalogue, Selection
 from doormill_ros.catalogue.errors import BadRetentionError
 from doormill_ros.catalogue.needs import Needs, find_needs
 from doormill_ros.catalogue.run import CatalogueRow
@@ -19,6 +19,9 @@ from doormill_ros.recording.replay.expectation import FILE as EXPECTATION
 from doormill_ros.units import days_to_s, gigabytes_to_bytes, s_to_ns
 
 RETIRED = ".retired"  #: end of the name of a bag that is being deleted
+LONGEST = 1e12  # s; no bag is so old
+LOOKS = 50  #: round what lies near the bags while they are deleted, so that many bags do not cost the square of it
+_LINKED = "it lies behind a link"
 
 
 @dataclass(frozen=True)
@@ -55,10 +58,11 @@ class Judged:
     Attributes:
         bag: Its folder.
         sha256: Checksum, see `BagContent`.
-        size: In bytes.
+        size: Of what lies in it [bytes].
         begun_ns: When its last run began [ns since the epoch]; 0 where it tells of none.
         goes: Whether it is deleted.
         reason: Why it goes, or why it is kept though its time is over; empty where it is not.
+        failed: It was to go, or its content was to be compared, and the disk refused.
     """
 
     bag: Path
@@ -67,6 +71,7 @@ class Judged:
     begun_ns: int
     goes: bool
     reason: str = ""
+    failed: bool = False
 
 
 def judge(
@@ -80,10 +85,10 @@ def judge(
         now_ns: The time [ns since the epoch].
         inspections: Folders that may hold inspections, beside those in which the bags lie.
     """
-    here = [bag for bag in _bags(catalogue) if bag.path.is_dir() and not bag.path.is_symlink()]
-    bags = sorted(here, key=lambda bag: (bag.begun_ns, bag.path))
-    limit = None if retention.days is None else now_ns - s_to_ns(days_to_s(retention.days))
-    total = sum(bag.size for bag in bags)
+    bags = sorted(_here(_bags(catalogue.rows())), key=lambda bag: (bag.begun_ns, bag.path))
+    sizes = {bag.path: 0 if _is_linked(bag.path) else _size(bag.path) for bag in bags}
+    limit = None if retention.days is None else now_ns - s_to_ns(min(days_to_s(retention.days), LONGEST))
+    total = sum(sizes.values())
     allowed = math.inf if retention.gigabytes is None else gigabytes_to_bytes(retention.gigabytes)
     judged, needs = [], None
     for bag in bags:
@@ -94,10 +99,15 @@ def judge(
             over.append(f"the bags have more than {retention.gigabytes:g} GB")
         if over and needs is None:
             needs = find_needs((*inspections, *(bag.path.parent for bag in bags)))
-        needed = bag.needed(needs) if over and needs is not None else ""
+        size, failed = sizes[bag.path], False
+        try:
+            needed = bag.needed(needs) if over and needs is not None else ""
+        except OSError as error:
+            needed, failed = f"it cannot be read: {error.strerror or error}", True
         goes = bool(over) and not needed
-        judged.append(Judged(bag.path, bag.sha256, bag.size, bag.begun_ns, goes, needed or ", ".join(over)))
-        total -= bag.size if goes else 0
+        reason = needed or ", ".join(over)
+        judged.append(Judged(bag.path, bag.sha256, size, bag.begun_ns, goes, reason, failed))
+        total -= size if goes else 0
     return judged
 
 
@@ -106,29 +116,53 @@ def retain(
 ) -> Iterator[Judged]:
     """Delete what goes, one bag at a time; arguments as for `judge`. The rows of its runs stay.
 
-    To judge many bags takes long: whether one is needed is asked again just before it goes.
+    To judge many bags takes long: whether one is needed is asked again before it goes, of the catalogue and the bag
+    each time, of what lies near the bags `LOOKS` times in all. A bag that the disk does not let go stops no other.
     """
-    for bag in _bags(catalogue):
+    for bag in _bags(catalogue.rows()):
         # Whoever was ended in the middle of it left one of these.
-        if _retired(bag.path).is_dir() and not bag.path.exists():
-            _delete(catalogue, bag.path, bag.sha256)
-    for judged in judge(catalogue, retention, now_ns, inspections):
-        needed = _needed_since(catalogue, judged, inspections) if judged.goes else ""
-        if needed:
-            judged = replace(judged, goes=False, reason=needed)
-        elif judged.goes:
-            # In one step out of everybody's sight: a bag is there or gone, never half of it.
-            judged.bag.rename(_retired(judged.bag))
-            _delete(catalogue, judged.bag, judged.sha256)
+        if _retired(bag.path).is_dir() and not bag.path.exists() and not _is_linked(bag.path):
+            left = Judged(bag.path, bag.sha256, 0, bag.begun_ns, goes=True)
+            if (done := _deleted(catalogue, left)).failed:
+                yield done
+    found = judge(catalogue, retention, now_ns, inspections)
+    places = (*inspections, *(judged.bag.parent for judged in found))
+    going, needs = 0, Needs()
+    for judged in found:
+        if judged.goes:
+            if going % math.ceil(len(found) / LOOKS) == 0:
+                needs = find_needs(places)
+            going += 1
+            judged = _gone_or_kept(catalogue, judged, needs)
         yield judged
 
 
-def _needed_since(catalogue: Catalogue, judged: Judged, inspections: Sequence[Path]) -> str:
-    """Why a bag that was to go is kept after all; empty where nothing came that needs it."""
-    bags = _bags(catalogue)
-    needs = find_needs((*inspections, *(bag.path.parent for bag in bags)))
-    known = (bag for bag in bags if (bag.path, bag.sha256) == (judged.bag, judged.sha256))
-    return next((bag.wanted(needs) for bag in known), "the catalogue knows it by another name now")
+def _gone_or_kept(catalogue: Catalogue, judged: Judged, needs: Needs) -> Judged:
+    """Delete a bag, unless something came meanwhile that needs it."""
+    known = _bags(catalogue.rows(Selection(bag=str(judged.bag))))
+    same = (bag for bag in known if bag.sha256 == judged.sha256)
+    try:
+        wanted = next((bag.wanted(needs) for bag in same), "the catalogue knows it by another name now")
+        if wanted:
+            return replace(judged, goes=False, reason=wanted)
+        # In one step out of everybody's sight: a bag is there or gone, never half of it.
+        judged.bag.rename(_retired(judged.bag))
+    except OSError as error:
+        return _refused(judged, error)
+    return _deleted(catalogue, judged)
+
+
+def _deleted(catalogue: Catalogue, judged: Judged) -> Judged:
+    try:
+        _delete(catalogue, judged.bag, judged.sha256)
+    except OSError as error:
+        return _refused(judged, error)
+    return judged
+
+
+def _refused(judged: Judged, error: OSError) -> Judged:
+    reason = f"it cannot be deleted: {error.strerror or error}; look at its folder's owner and the disk"
+    return replace(judged, goes=False, reason=reason, failed=True)
 
 
 def _delete(catalogue: Catalogue, bag: Path, sha256: str) -> None:
@@ -147,15 +181,15 @@ class _Bag:
     rows: tuple[CatalogueRow, ...]
 
     @property
-    def size(self) -> int:
-        return max(row.run.bag_bytes for row in self.rows)
-
-    @property
     def begun_ns(self) -> int:
         return max(row.run.begun_ns or row.run.ended_ns or 0 for row in self.rows)
 
     def needed(self, needs: Needs) -> str:
-        """Why it is kept for ever; empty where it may go."""
+        """Why it is kept for ever; empty where it may go.
+
+        Raises:
+            OSError: It cannot be read.
+        """
         wanted = self.wanted(needs)
         if not wanted and (not self.sha256 or self.sha256 != content_of_bag(self.path).sha256):
             return "it is not what the catalogue knows: catalogue rebuild it first"
@@ -166,6 +200,8 @@ class _Bag:
 
         The disk is asked as well as the catalogue: what was put there since, or cannot be read, needs the bag too.
         """
+        if _is_linked(self.path):
+            return _LINKED
         for row in self.rows:
             if row.kept:
                 return f"kept: {row.kept}"
@@ -187,13 +223,43 @@ class _Bag:
         return ""
 
 
-def _bags(catalogue: Catalogue) -> list[_Bag]:
-    """Every bag that the catalogue names, wherever it lies."""
+def _bags(rows: Iterable[CatalogueRow]) -> list[_Bag]:
+    """Every bag that the rows name, wherever it lies."""
     by_bag: dict[tuple[str, str], list[CatalogueRow]] = {}
-    for row in catalogue.rows():
+    for row in rows:
         if row.run.bag:
             by_bag.setdefault((row.run.bag, row.run.bag_sha256), []).append(row)
     return [_Bag(Path(bag), sha256, tuple(rows)) for (bag, sha256), rows in by_bag.items()]
+
+
+def _here(bags: Iterable[_Bag]) -> list[_Bag]:
+    """Those that lie on this machine; of several of one path, as other machines may have, the one that lies there."""
+    by_path: dict[Path, list[_Bag]] = {}
+    for bag in bags:
+        if bag.path.is_dir():
+            by_path.setdefault(bag.path, []).append(bag)
+    return [_lying(of_path) for of_path in by_path.values()]
+
+
+def _lying(bags: Sequence[_Bag]) -> _Bag:
+    if len(bags) == 1:
+        return bags[0]
+    try:
+        sha256 = content_of_bag(bags[0].path).sha256
+    except OSError:
+        return bags[0]
+    return next((bag for bag in bags if bag.sha256 == sha256), bags[0])
+
+
+def _size(bag: Path) -> int:
+    try:
+        return sum(path.stat().st_size for path in bag_files(bag))
+    except OSError:
+        return 0  # somebody takes it away
+
+
+def _is_linked(bag: Path) -> bool:
+    return bag.is_symlink() or bag.parent.resolve() != bag.parent
 
 
 def _retired(bag: Path) -> Path:

@@ -54,6 +54,7 @@ class Readiness:
     def __init__(self, needed: Sequence[str] = NEEDED, clock: Callable[[], float] = time.monotonic) -> None:
         self._needed = tuple(needed)
         self._clock = clock
+        self._begun = clock()
         self._heard: dict[str, _Heard] = {}
 
     def hear(self, name: str, level: int, message: str) -> None:
@@ -74,7 +75,11 @@ class Readiness:
         said = []
         for name in self._needed:
             if name not in found:
-                said.append(f"{name}: not heard of for {SILENCE:g} s; start it")
+                listened = now - self._begun
+                short = f"in {listened:.1f} s of listening; wait longer, or"
+                said.append(
+                    f"{name}: not heard of {f'for {SILENCE:g} s;' if listened >= SILENCE else short} start it"
+                )
             elif found[name].message in IDLE:
                 said.append(
                     f"{name}: {found[name].message}; activate it (ros2 lifecycle set), or see its log"

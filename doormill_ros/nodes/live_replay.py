@@ -163,7 +163,7 @@ def _nodes(run: RecordedRun, options: LiveOptions, folder: Path) -> list[Callabl
 
 def _database(run: RecordedRun, folder: Path) -> str:
     """URL of a database that knows what the recorded one knew of the door."""
-    url = f"sqlite:///{folder / 'recipes.sqlite'}"
+    url = str(folder / "recipes.sqlite")
     with RecipeDatabase(url) as database:
         if run.recipe is None:
             database.add_shipped()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import faulthandler
 import inspect
 import os
@@ -19,7 +20,7 @@ from rclpy.logging import get_logger
 #: So many errors in a row, each within `CALM` of the one before, are no chance meetings.
 MANY = 100
 CALM = 1.0  # s
-#: An executor whose nodes' timers come round every second and that did not turn for so long never will [s].
+#: An executor whose callback lasts for so long, or that does not turn though it is woken, never will again [s].
 STILL = 300.0
 #: What an interrupt does not end within this is ended without asking [s].
 ENDING = 20.0
@@ -36,7 +37,7 @@ class SteadyExecutor(MultiThreadedExecutor):  # type: ignore[misc]  # rclpy has 
         threads: Of the pool, two or more.
         still: Process time without a turn after which the process is ended, so that what started it can start it
             again [s]; the stacks of all threads go to stderr first. Time in which the process is stopped does not
-            count.
+            count. One that has nothing to do is woken, which is a turn.
         context: Of its nodes; None for the default one.
         look: Asked a hundred times as often; when it tells a reason the process is ended, too.
     """
@@ -110,14 +111,21 @@ class SteadyExecutor(MultiThreadedExecutor):  # type: ignore[misc]  # rclpy has 
         return complete
 
     def _watch(self, still: float) -> None:
-        seen, since = -1, 0.0
+        seen, since, woken = -1, 0.0, False
         period = still / 100
         # Periods are counted, not the clock: it runs on while the process is stopped.
         while not self._ended.wait(period):
             turns = self._turns
-            since = since + period if turns == seen and turns else 0.0
+            stands = turns == seen and turns > 0
+            since, woken = (since + period, woken) if stands else (0.0, False)
             seen = turns
-            if since >= still:
+            executing = any(task.executing() for task in self._futures[:])
+            if since >= still / 2 and not woken and not executing:
+                woken = True
+                # It may be shut down in this moment.
+                with contextlib.suppress(rclpy_implementation.InvalidHandle):
+                    self.create_task(lambda: None)
+            elif since >= still and (woken or executing):
                 get_logger("doormill").fatal(
                     f"No callback of this process was called for {still:g} s; it ends, so that it can be started "
                     "again. The stacks of its threads follow; hand them in."

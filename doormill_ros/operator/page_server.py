@@ -5,14 +5,18 @@ from __future__ import annotations
 import asyncio
 import socket
 import threading
+from typing import Any
 
 import uvicorn
 from fastapi import FastAPI
 
 from doormill_ros.cell.waiting import wait
 from doormill_ros.operator.errors import PageAddressError
+from doormill_ros.operator.prompt_protocol import PromptProtocol
 
 START_LIMIT = 20.0  # s
+BACKLOG = 64  # connections
+QUIET = 60.0  # s between two words on the same trouble
 
 
 class PageServer:
@@ -54,6 +58,9 @@ class PageServer:
         self._server = uvicorn.Server(
             uvicorn.Config(
                 app,
+                http=PromptProtocol,
+                # So many are taken at once, before any of them can be left.
+                backlog=BACKLOG,
                 log_level="critical",
                 access_log=False,
                 lifespan="off",
@@ -65,10 +72,22 @@ class PageServer:
             )
         )
         self._thread = threading.Thread(
-            target=lambda: asyncio.run(self._server.serve(sockets=[self._socket])),
+            target=lambda: asyncio.run(self._serve()),
             name="operator_page",
             daemon=True,
         )
+
+    async def _serve(self) -> None:
+        told: dict[str, float] = {}
+
+        def tell(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
+            # Where no file is left the loop tells of each of the connections that it cannot take.
+            if loop.time() - told.get(context["message"], -QUIET) >= QUIET:
+                told[context["message"]] = loop.time()
+                loop.default_exception_handler(context)
+
+        asyncio.get_running_loop().set_exception_handler(tell)
+        await self._server.serve(sockets=[self._socket])
 
     def start(self) -> PageServer:
         """Answer requests from a thread; returns once it does.

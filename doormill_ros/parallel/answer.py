@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import pickle
 import time
 from collections.abc import Callable
@@ -10,6 +11,7 @@ from typing import Any
 
 from distributed import get_worker
 
+from doormill_ros.configuration import configuration
 from doormill_ros.errors import DoormillError, one_line
 from doormill_ros.parallel.errors import OtherSoftwareError
 from doormill_ros.software import software
@@ -34,20 +36,34 @@ class Reply:
     worker: str = ""
 
 
-def pack(ask: Callable[[Any], Any], thing: Any) -> tuple[str, str, bytes]:
-    """A question as it travels: the software that asks, the thing's name, and the rest as bytes."""
-    return software(), str(thing), pickle.dumps((ask, thing))
+def asking() -> tuple[str, str]:
+    """Software and configuration of this process as they travel."""
+    return software(), configuration()
 
 
-def answer(question: tuple[str, str, bytes]) -> bytes:
+#: Of a worker as it was first asked for: what it has read since it holds on to.
+_own = functools.cache(configuration)
+
+
+def pack(ask: Callable[[Any], Any], thing: Any, here: tuple[str, str]) -> tuple[tuple[str, str], str, bytes]:
+    """A question as it travels: what `asking` told, the thing's name, and the rest as bytes."""
+    return here, str(thing), pickle.dumps((ask, thing))
+
+
+def answer(question: tuple[tuple[str, str], str, bytes]) -> bytes:
     """One answer, whatever the function does; runs in the worker."""
-    wanted, name, content = question
+    (wanted, configured), name, content = question
     worker, begun = get_worker().address, time.process_time()
     value, code, reason = None, 0, ""
     try:
         if software() != wanted:
             raise OtherSoftwareError(
                 f"worker {worker} runs {software()}, asked by {wanted}; update it and start it again"
+            )
+        if _own() != configured:
+            raise OtherSoftwareError(
+                f"worker {worker} has another configuration ({_own()}) than who asks ({configured}); give its site the "
+                "same files in config/ and start it again"
             )
         ask, thing = pickle.loads(content)
         value = ask(thing)

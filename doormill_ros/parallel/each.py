@@ -16,7 +16,7 @@ from distributed import Client, Future, KilledWorker, as_completed
 from distributed.client import FutureCancelledError
 
 from doormill_ros.errors import one_line
-from doormill_ros.parallel.answer import Reply, pack
+from doormill_ros.parallel.answer import Reply, asking, pack
 from doormill_ros.parallel.errors import NoSchedulerError, OtherSoftwareError, WorkersDiedError
 from doormill_ros.parallel.workplace import Workplace
 
@@ -68,10 +68,10 @@ def each(
 def _answers(
     client: Client, ask: Callable[[Thing], Value], things: Sequence[Thing]
 ) -> Iterator[Answered[Thing, Value]]:
-    messenger = _messenger()
+    messenger, here = _messenger(), asking()
     suspects: list[Thing] = []
     # Equal things are asked each for itself.
-    futures = client.map(messenger, [pack(ask, thing) for thing in things], pure=False)
+    futures = client.map(messenger, [pack(ask, thing, here) for thing in things], pure=False)
     waiting = {future.key: thing for future, thing in zip(futures, things, strict=True)}
     completed = as_completed(futures)
     del futures  # what was answered is let go on the workers
@@ -84,7 +84,7 @@ def _answers(
             yield answered
     # Whatever waited on a worker when it died is suspected along with what killed it: now each one alone.
     for left, thing in enumerate(reversed(suspects)):
-        future = client.submit(messenger, pack(ask, thing), pure=False)
+        future = client.submit(messenger, pack(ask, thing, here), pure=False)
         yield _answered(thing, future, len(suspects) - left - 1)
 
 

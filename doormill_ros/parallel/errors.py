@@ -14,6 +14,8 @@ NoSchedulerError = ManyError.row(
 )
 NoWorkerError = ManyError.row("NoWorkerError", 867, "The Dask scheduler has no worker.")
 OtherSoftwareError = ManyError.row(
-    "OtherSoftwareError", 868, "A worker runs another software than this process."
+    "OtherSoftwareError",
+    868,
+    "A worker runs another software than this process, or with another configuration.",
 )
 WorkersDiedError = ManyError.row("WorkersDiedError", 869, "Every worker that tried it died of it.")

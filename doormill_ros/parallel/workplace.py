@@ -64,8 +64,11 @@ class Workplace:
 
 @contextmanager
 def _connected(address: str) -> Iterator[Client]:
-    # The library tells of broken connections in its own words, with tracebacks; ours follow.
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    # The library tells of broken connections in its own words, with tracebacks; ours follow. Some of its parts have
+    # levels of their own.
+    for name in ("distributed", *logging.root.manager.loggerDict):
+        if name.partition(".")[0] == "distributed":
+            logging.getLogger(name).setLevel(logging.CRITICAL)
     try:
         client = Client(address, timeout=CONNECTING)
     except (OSError, TimeoutError, ValueError) as error:

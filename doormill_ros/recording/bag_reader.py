@@ -167,9 +167,13 @@ def _files(folder: Path) -> list[Path]:
 
 
 def _unreadable(folder: Path, error: Exception) -> BagError:
+    lacking = _lacking(folder)
+    held = folder.is_file() or (folder.is_dir() and bag_files(folder))
+    advice = "name a folder with metadata.yaml and .mcap files"
+    if held and not lacking:
+        advice = "take another copy of the bag"
     return UnreadableBagError(
-        f"bag {folder} cannot be read: {_lacking(folder) or error}; name a folder with metadata.yaml and .mcap files",
-        folder=str(folder),
+        f"bag {folder} cannot be read: {lacking or error}; {advice}", folder=str(folder)
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 import time
 from datetime import UTC, datetime
@@ -18,10 +19,11 @@ from doormill_ros.cell.inspection import outcome
 from doormill_ros.errors import DoormillError
 from doormill_ros.interrupts import interruptible
 from doormill_ros.recipes.store.engine import check_file
-from doormill_ros.tools.command_line import OneLineParser, add_database
+from doormill_ros.tools.command_line import OneLineParser, add_database, in_a_column, plain_text
 from doormill_ros.units import bytes_to_gigabytes, m_to_mm, ns_to_s, s_to_ns
 
 FAILED, PARTLY = 2, 1
+LARGEST = 2**63 - 1
 LISTED = "run\tdoor\tbegun\toutcome\trecipe\tmodel\tversion\tsoftware\tdeviation_mm\tinspection\tkept\tbag\tbag_bytes"
 
 
@@ -29,7 +31,9 @@ def _time(text: str) -> int:
     """A time or a date, UTC unless it says otherwise [ns since the epoch]."""
     try:
         moment = datetime.fromisoformat(text)
-        return s_to_ns((moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp())
+        stamp_ns = s_to_ns((moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp())
+        # No run lies beyond what a database's whole numbers hold.
+        return max(-LARGEST, min(stamp_ns, LARGEST))
     except (ValueError, OverflowError):
         raise argparse.ArgumentTypeError(
             f"found {text!r}, allowed is a date or time as 2026-11-22T08:00"
@@ -45,7 +49,7 @@ def parser() -> argparse.ArgumentParser:
         command = commands.add_parser(name, help=purpose)
         if name == "export":
             command.add_argument("--parquet", type=Path, metavar="FILE", required=True, help="to write")
-        command.add_argument("--door", default="", metavar="ID", help="only this door")
+        command.add_argument("--door", type=plain_text, default="", metavar="ID", help="only this door")
         command.add_argument("--since", type=_time, metavar="TIME", help="only runs begun from then on, UTC")
         command.add_argument("--until", type=_time, metavar="TIME", help="only runs begun before then, UTC")
         command.add_argument("--failed", action="store_true", help="only runs that did not end well")
@@ -54,9 +58,9 @@ def parser() -> argparse.ArgumentParser:
         "folders", nargs="+", type=Path, metavar="DIR", help="bags and inspections at any depth"
     )
     command = commands.add_parser("keep", help="keep the bags of runs for ever")
-    command.add_argument("runs", nargs="+", metavar="RUN")
+    command.add_argument("runs", nargs="+", type=plain_text, metavar="RUN")
     reason = command.add_mutually_exclusive_group()
-    reason.add_argument("--reason", default="by hand", help="why")
+    reason.add_argument("--reason", type=plain_text, default="by hand", help="why")
     reason.add_argument("--release", action="store_true", help="no longer")
     command = commands.add_parser("retain", help="delete the bags whose time is over")
     command.add_argument("--days", type=float, help="older ones go")
@@ -77,12 +81,14 @@ def main(argv: list[str] | None = None) -> int:
     """Run the tool.
 
     Returns:
-        0; 1 when `rebuild` refused a bag or an inspection; 2 with one line on stderr when nothing could be done.
+        0; 1 when `rebuild` refused a bag or an inspection, or `retain` could not delete or read a bag; 2 with one line
+        on stderr when nothing could be done.
     """
     arguments = parser().parse_args(argv)
     try:
-        if arguments.database is not None and arguments.command != "rebuild":
-            check_file(arguments.database)
+        named = arguments.database or os.environ.get(ENVIRONMENT)
+        if named and arguments.command != "rebuild":
+            check_file(named)
         with Catalogue(arguments.database) as catalogue:
             return COMMANDS[arguments.command](catalogue, arguments)
     except DoormillError as error:
@@ -116,19 +122,18 @@ def _line(row: CatalogueRow) -> str:
     recipe = f"{run.recipe_version} {run.recipe_digest[:12]}" if run.recipe_digest else ""
     inspection = "" if row.inspection is None else row.inspection.inspection
     places = (deviation, inspection, row.kept, run.bag, str(run.bag_bytes))
-    return "\t".join(
-        (
-            run.run_id,
-            run.door_id,
-            begun,
-            came_to,
-            recipe,
-            run.robot_model,
-            run.model_version,
-            run.software,
-            *places,
-        )
+    columns = (
+        run.run_id,
+        run.door_id,
+        begun,
+        came_to,
+        recipe,
+        run.robot_model,
+        run.model_version,
+        run.software,
+        *places,
     )
+    return "\t".join(map(in_a_column, columns))
 
 
 def _moment(stamp_ns: int) -> str:
@@ -162,7 +167,7 @@ def _keep(catalogue: Catalogue, arguments: argparse.Namespace) -> int:
 
 def _retain(catalogue: Catalogue, arguments: argparse.Namespace) -> int:
     retention, now_ns = Retention(arguments.days, arguments.gigabytes), s_to_ns(time.time())
-    gone = size = kept = 0
+    gone = size = kept = failed = 0
     dry, places = arguments.dry_run, arguments.inspections or monitor_folders()
     missing = next((place for place in places if not place.is_dir()), None)
     if missing is not None:
@@ -173,16 +178,20 @@ def _retain(catalogue: Catalogue, arguments: argparse.Namespace) -> int:
     for judged in (judge if dry else retain)(catalogue, retention, now_ns, places):
         gone, size = gone + judged.goes, size + judged.goes * judged.size
         kept += not judged.goes
-        if judged.reason:
+        if judged.failed:
+            failed += 1
+            print(in_a_column(f"catalogue: bag {judged.bag} stays: {judged.reason}"), file=sys.stderr)
+        elif judged.reason:
             print(_judged(judged, dry))
     verb = "would go" if dry else "went"
     print(f"{gone} bags with {bytes_to_gigabytes(size):.3f} GB {verb}, {kept} stay")
-    return 0
+    return PARTLY if failed else 0
 
 
 def _judged(judged: Judged, dry: bool) -> str:
     word = ("would go" if dry else "went") if judged.goes else "stays"
-    return f"{word}\t{judged.bag}\t{_moment(judged.begun_ns)}\t{judged.size}\t{judged.reason}"
+    columns = (word, judged.bag, _moment(judged.begun_ns), judged.size, judged.reason)
+    return "\t".join(map(in_a_column, columns))
 
 
 COMMANDS = {"list": _list, "export": _export, "rebuild": _rebuild, "keep": _keep, "retain": _retain}

@@ -45,6 +45,22 @@ def written_over(outputs: Iterable[Path], inputs: Iterable[Path]) -> str:
     return ""
 
 
+def plain_text(text: str) -> str:
+    """The type of an argument that a database is asked for or keeps."""
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        raise argparse.ArgumentTypeError(f"found {text!r}, allowed is text in UTF-8") from None
+    return text
+
+
+def in_a_column(text: object) -> str:
+    """As it stands in a line of columns: what would end one of them, or order the terminal, is written out."""
+    return "".join(
+        letter if letter.isprintable() else letter.encode("unicode_escape").decode() for letter in str(text)
+    )
+
+
 def user_name() -> str:
     """Name of the user, for what is stored with an author."""
     try:

@@ -10,10 +10,16 @@ from pathlib import Path
 from doormill_ros.errors import DoormillError
 from doormill_ros.interrupts import interruptible
 from doormill_ros.recording.accepted import accept_bag, accepted_bags
-from doormill_ros.tools.command_line import counted
+from doormill_ros.recording.errors import AcceptedBagError
+from doormill_ros.tools.command_line import counted, in_a_column
 
 EQUAL, DIFFERENT, UNREADABLE = 0, 1, 2
-WORDS = EQUAL_WORD, DIFFERENT_WORD, UNREADABLE_WORD = "equal", "differs", "unreadable"
+WORDS = EQUAL_WORD, UNCOMPARED_WORD, DIFFERENT_WORD, UNREADABLE_WORD = (
+    "equal",
+    "not compared",
+    "differs",
+    "unreadable",
+)
 
 
 def _rate(text: str) -> float:
@@ -118,6 +124,10 @@ def _replay(bag: Path, options: argparse.Namespace) -> int:
     if outcome.unended:
         return UNREADABLE
     if options.accept:
+        if not counts:
+            raise AcceptedBagError(
+                f"bag {bag} is not accepted: nothing of it can be compared; accept one of a run that got further"
+            )
         print(f"{bag}: accepted as {accept_bag(bag, next(iter(outcome.answers)))}")
     return EQUAL
 
@@ -126,13 +136,18 @@ def _replay_many(options: argparse.Namespace) -> int:
     """A line a bag as it is done; 1 when anything differs, else 2 when a bag or the workers cannot be used."""
     from doormill_ros.parallel.each import each
     from doormill_ros.parallel.workplace import Workplace
+    from doormill_ros.recipes.store.engine import absolute
     from doormill_ros.recording.bag_folders import bags_in
     from doormill_ros.recording.replay.bag_verdict import judge_bag
     from doormill_ros.recording.replay.offline import OfflineOptions
 
     # A worker may stand in another folder.
     bags = [str(bag.resolve()) for bag in bags_in(options.bags)]
-    chosen = OfflineOptions(robot_model=options.robot_model, database=options.database)
+    model = Path(options.robot_model)
+    chosen = OfflineOptions(
+        robot_model=str(model.absolute()) if options.robot_model and model.exists() else options.robot_model,
+        database=absolute(options.database) if options.database else "",
+    )
     place = Workplace(options.scheduler, options.workers)
     found = dict.fromkeys(WORDS, 0)
     print("verdict\tbag\truns\tcompared\tdiffering\tseconds\tfirst", flush=True)
@@ -148,11 +163,13 @@ def _replay_many(options: argparse.Namespace) -> int:
                     )
                 else:
                     word = EQUAL_WORD if verdict.equal else DIFFERENT_WORD
+                    word = word if verdict.compared or verdict.differing else UNCOMPARED_WORD
                     numbers = (str(verdict.runs), str(verdict.compared), str(verdict.differing))
                     first = verdict.first
                 found[word] += 1
                 done(1)
-                print("\t".join((word, answer.thing, *numbers, f"{answer.seconds:.3f}", first)), flush=True)
+                columns = (word, answer.thing, *numbers, f"{answer.seconds:.3f}", first)
+                print("\t".join(map(in_a_column, columns)), flush=True)
     except DoormillError as error:
         print(f"replay: {error.message}", file=sys.stderr)
         return DIFFERENT if found[DIFFERENT_WORD] else UNREADABLE

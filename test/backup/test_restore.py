@@ -7,6 +7,7 @@ import sqlite3
 import subprocess
 import sys
 import threading
+import time
 from pathlib import Path
 
 import pytest
@@ -71,6 +72,18 @@ def test_a_site_comes_back_and_what_was_there_is_kept(
     os.replace(kept / "database" / "recipes.sqlite", kept / "recipes.sqlite")
     assert content(kept) == second
     assert sorted(p.name for p in site.iterdir() if p.name.startswith(".")) == [".backup.lock"]
+
+
+@pytest.mark.parametrize("mode", [0o600, 0o640, 0o444, 0o755])
+def test_files_are_for_whom_they_were(site: Path, tmp_path: Path, mode: int) -> None:
+    private = ("config/camera.yaml", "audit/private.jsonl", "recipes.sqlite")
+    (site / "audit" / "private.jsonl").write_text("{}\n")
+    for name in private:
+        (site / name).chmod(mode | 0o200 if name == "recipes.sqlite" else mode)
+    backup_tool.main([str(tmp_path / "b.tar"), "--site", str(site)])
+    assert restore_tool.main([str(tmp_path / "b.tar"), "--site", str(tmp_path / "new")]) == 0
+    for name in private:
+        assert (tmp_path / "new" / name).stat().st_mode == (site / name).stat().st_mode, name
 
 
 def test_an_empty_machine_gets_everything(site: Path, tmp_path: Path) -> None:
@@ -255,6 +268,38 @@ def test_a_restore_killed_at_any_step_is_taken_back_or_done(
     assert outcomes == [(9, True)] * 11 + [(9, False)]
 
 
+KILLED = """
+import os, sys
+from pathlib import Path
+import doormill_ros.backup.archive as room
+from doormill_ros.tools.backup import main
+room.read_archive = lambda path: os._exit(9)
+main([sys.argv[1], "--site", sys.argv[2]])
+"""
+
+
+def test_what_a_killed_backup_left_is_swept_by_the_next(site: Path, tmp_path: Path) -> None:
+    target = tmp_path / "backups" / "b.tar"
+    command = [sys.executable, "-c", KILLED, str(target), str(site)]
+    assert subprocess.run(command, timeout=LIMIT).returncode == 9
+    assert len(list(site.glob(".backup-*"))) == 1
+    assert len(list(target.parent.iterdir())) == 1
+    # Whatever else lies there is somebody's.
+    for name in (".c.tar.0123456789ab.part", ".b.tar.part", "b.tar.0123456789ab.part"):
+        (target.parent / name).write_text("mine")
+    old = target.parent / ".d.tar.0123456789ab.part"
+    old.write_text("of a backup that was killed the day before yesterday")
+    os.utime(old, (time.time() - 2 * 86400,) * 2)
+    assert backup_tool.main([str(target), "--site", str(site)]) == 0
+    assert list(site.glob(".backup-*")) == []
+    assert sorted(path.name for path in target.parent.iterdir()) == [
+        ".b.tar.part",
+        ".c.tar.0123456789ab.part",
+        "b.tar",
+        "b.tar.0123456789ab.part",
+    ]
+
+
 def test_one_at_a_time(site: Path, tmp_path: Path) -> None:
     with alone(site), pytest.raises(RestoreBusyError), alone(site):
         pass
@@ -301,7 +346,7 @@ def test_postgresql_that_does_not_answer_or_has_no_program_is_told(
     away = f"postgresql://doormill:secret-word@127.0.0.1:{server.port}/nowhere"
     assert backup_tool.main([str(tmp_path / "b.tar"), "--site", str(tmp_path), "--database", away]) == 2
     said = capsys.readouterr().err
-    assert said.startswith("backup: pg_dump failed")
+    assert said.startswith("backup: the database does not answer")
     assert "secret-word" not in said
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(BackupDatabaseError, match="pg_dump is not installed"):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import shutil
 import threading
 from dataclasses import replace
 from pathlib import Path
@@ -15,6 +16,7 @@ from doormill_ros.catalogue.database import ENVIRONMENT, Catalogue, Selection
 from doormill_ros.catalogue.errors import CatalogueTooNewError, CatalogueUnreachableError, UnknownRunError
 from doormill_ros.catalogue.run import CataloguedInspection, CataloguedRun
 from doormill_ros.recipes.store.database import RecipeDatabase
+from doormill_ros.recording.bag_folders import content_of_bag
 
 RUN = CataloguedRun(
     run_id="run_1",
@@ -75,12 +77,14 @@ def test_a_bag_recorded_in_the_place_of_another_takes_it_from_the_runs_of_its_ce
 def test_a_copy_of_a_bag_does_not_take_the_run_away_while_the_first_is_there(
     catalogue: Catalogue, tmp_path: Path
 ) -> None:
-    first, copy = (replace(RUN, bag=str(tmp_path / name)) for name in ("first", "copy"))
-    Path(first.bag).mkdir()
+    (tmp_path / "first").mkdir()
+    (tmp_path / "first" / "first_0.mcap").write_bytes(b"a bag")
+    sha256 = content_of_bag(tmp_path / "first").sha256
+    first, copy = (replace(RUN, bag=str(tmp_path / name), bag_sha256=sha256) for name in ("first", "copy"))
     catalogue.store(first.bag, [first])
     catalogue.store(copy.bag, [copy])
     assert [row.run.bag for row in catalogue.rows()] == [first.bag]
-    Path(first.bag).rmdir()
+    shutil.rmtree(first.bag)
     catalogue.store(copy.bag, [copy])
     assert [row.run.bag for row in catalogue.rows()] == [copy.bag]
 

@@ -29,6 +29,14 @@ def test_nobody_was_heard_of() -> None:
     assert [line.split(":")[0] for line in found] == [*NEEDED, "camera"]
 
 
+def test_who_listened_too_shortly_says_so() -> None:
+    now = [0.0]
+    readiness = Readiness(clock=lambda: now[0])
+    now[0] = 1.0
+    (first, *_) = readiness.hindrances(camera=True)
+    assert first == f"{NEEDED[0]}: not heard of in 1.0 s of listening; wait longer, or start it"
+
+
 @pytest.mark.parametrize("name", NEEDED)
 def test_a_node_that_fell_silent_is_named(name: str) -> None:
     cell = Cell()

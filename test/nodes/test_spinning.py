@@ -206,6 +206,54 @@ def test_a_process_that_stands_still_says_where_and_ends() -> None:
     assert "No callback of this process was called for 2 s" in ended.stderr + ended.stdout
 
 
+IDLE = """
+import threading
+import rclpy
+from rclpy.node import Node
+from doormill_ros.nodes.spinning import SteadyExecutor
+
+rclpy.init()
+node = Node("idle", start_parameter_services=False)
+called = threading.Event()
+executor = SteadyExecutor(2, still=0.5)
+executor.add_node(node)
+threading.Thread(target=executor.spin, daemon=True).start()
+executor.create_task(lambda: None)
+threading.Event().wait(3.0)
+executor.create_task(called.set)
+print("lives" if called.wait(30.0) else "is dead", flush=True)
+executor.shutdown()
+rclpy.try_shutdown()
+"""
+
+
+def test_a_process_that_has_nothing_to_do_lives() -> None:
+    ended = subprocess.run(
+        [sys.executable, "-c", IDLE], capture_output=True, text=True, timeout=LIMIT, check=False
+    )
+    assert (ended.returncode, ended.stdout) == (0, "lives\n"), ended.stderr
+
+
+class Stuck(Node):
+    """Never lets go of the thread that looks what is ready."""
+
+    @property
+    def timers(self) -> Iterator:
+        threading.Event().wait()
+        return iter(())
+
+
+def test_an_executor_that_cannot_look_what_is_ready_is_found(
+    context, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found = threading.Event()
+    monkeypatch.setattr(SteadyExecutor, "_give_up", lambda self: (found.set(), self._ended.set()))
+    monkeypatch.setattr(spinning.faulthandler, "dump_traceback", lambda *_, **__: None)
+    executor, node = SteadyExecutor(2, still=0.5), Stuck("stuck")
+    spun(executor, node)
+    assert found.wait(LIMIT)
+
+
 @pytest.mark.parametrize("kind", [SteadyExecutor, MultiThreadedExecutor])
 def test_what_is_ready_in_the_moment_of_the_shutdown_ends_nothing_in_tears(context, kind) -> None:
     """The pool is shut down between the question what is ready and its being handed over; rclpy's own raises there."""

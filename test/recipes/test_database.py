@@ -507,7 +507,7 @@ def test_database_in_memory(recipe):
 def test_default_place_of_the_database(monkeypatch, tmp_path):
     monkeypatch.delenv(ENVIRONMENT, raising=False)
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
-    assert default_url() == f"sqlite:///{tmp_path}/doormill_ros/recipes.sqlite"
+    assert default_url() == f"{tmp_path}/doormill_ros/recipes.sqlite"
     with RecipeDatabase() as database:
         database.add_shipped()
     assert (tmp_path / "doormill_ros" / "recipes.sqlite").is_file()

@@ -9,6 +9,7 @@ from rosbags.rosbag2 import Reader
 
 from doormill_ros.recording.bag_reader import read_bag, topics_of
 from doormill_ros.recording.errors import UnreadableBagError
+from doormill_ros.recording.mcap_scan import MAGIC
 from support.source_tree import ROOT
 
 BAGS = sorted(path.parent for path in (ROOT / "bags").glob("*/metadata.yaml"))
@@ -49,3 +50,12 @@ def test_what_is_no_bag_is_told_with_what_it_lacks(tmp_path: Path, place: str, w
         assert refused.value.message == (
             f"bag {tmp_path / place} cannot be read: {why}; name a folder with metadata.yaml and .mcap files"
         )
+
+
+def test_a_damaged_bag_is_to_be_copied_again(tmp_path: Path) -> None:
+    bag = tmp_path / "bag"
+    bag.mkdir()
+    (bag / "metadata.yaml").write_text("rosbag2_bagfile_information: {}")
+    (bag / "bag_0.mcap").write_bytes(MAGIC + b"no record at all" * 100 + MAGIC)
+    with pytest.raises(UnreadableBagError, match=r"; take another copy of the bag$"):
+        list(read_bag(bag))

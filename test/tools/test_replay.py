@@ -97,7 +97,7 @@ def test_half_a_bag_is_neither_compared_nor_kept(
     out, err = capsys.readouterr()
     assert out == ""
     assert f"holds {held} of the {listed} messages" in err
-    assert "is not compared; copy it again" in err
+    assert "is not used; copy it again" in err
     assert not (bag / "expected.yaml").exists()
     assert not (tmp_path / "site").exists()
 
@@ -290,6 +290,15 @@ def test_what_differs_is_not_accepted(
     monkeypatch.setenv("DOORMILL_SITE", str(tmp_path / "site"))
     fewer_decimals(monkeypatch)
     assert replay(capsys, "--accept", BAG)[0] == 1
+    assert not (tmp_path / "site").exists()
+
+
+def test_what_was_not_compared_is_not_accepted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("DOORMILL_SITE", str(tmp_path / "site"))
+    assert main(["--accept", str(BAGS / "no_picture")]) == 2
+    assert "is not accepted: nothing of it can be compared" in capsys.readouterr().err
     assert not (tmp_path / "site").exists()
 
 

@@ -19,7 +19,7 @@ from support.run_bags import DrawnRun, write_run_bag
 from support.source_tree import ROOT
 
 #: The smallest of all: what is replayed of it takes milliseconds.
-SMALL = ROOT / "bags" / "no_picture"
+SMALL = ROOT / "bags" / "unknown_door"
 COUNT = 8
 
 
@@ -60,7 +60,7 @@ def test_every_bag_has_its_line_and_one_that_differs_decides(
     assert main(["--many", str(folder), "--workers", "2"]) == 1
     out, err = capsys.readouterr()
     check_table(read(out.splitlines()), poisoned, differing)
-    assert f"{COUNT} bags: {COUNT - 2} equal, 1 differs, 1 unreadable" in err
+    assert f"{COUNT} bags: {COUNT - 2} equal, 0 not compared, 1 differs, 1 unreadable" in err
 
 
 def test_a_bag_cut_in_half_is_not_equal(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -73,6 +73,22 @@ def test_a_bag_cut_in_half_is_not_equal(tmp_path: Path, capsys: pytest.CaptureFi
     assert {row["verdict"] for row in table.values()} == {"unreadable"}
     assert table["half"]["first"].endswith("(609)")
     assert "run run_0 has no run/result" in table["open"]["first"]
+
+
+def test_what_was_not_compared_is_not_called_equal(capsys: pytest.CaptureFixture[str]) -> None:
+    bags = [str(ROOT / "bags" / name) for name in ("no_picture", "spindle_fault", "unknown_door")]
+    assert main(["--many", *bags, "--workers", "1"]) == 0
+    out, err = capsys.readouterr()
+    table = read(out.splitlines())
+    assert {name: row["verdict"] for name, row in table.items()} == {
+        "no_picture": "not compared",
+        "spindle_fault": "equal",
+        "unknown_door": "equal",
+    }
+    assert table["no_picture"]["first"].startswith("not compared: /run/result: ")
+    assert table["spindle_fault"]["first"].startswith("not compared: /run/result: ")
+    assert table["unknown_door"]["first"] == ""
+    assert "3 bags: 2 equal, 1 not compared, 0 differs, 0 unreadable" in err
 
 
 @pytest.fixture

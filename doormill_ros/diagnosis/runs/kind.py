@@ -80,11 +80,15 @@ class Runs(SearchedKind[RunSeries, RunProblem, RunChange]):
             runs, left_aside = list(latest.runs), latest.left
         if len(runs) < 2 or not channels_of(runs, fewest(len(runs))):
             raise UnreadableBagError(
-                f"the bags in {folder} hold {len(runs)} runs, allowed are 2 or more that tell the same: a pose, a "
-                "reading or a time; give a folder with bags of more runs",
+                f"the bags in {folder} hold {len(runs)} runs{self._counted}, allowed are 2 or more that tell the "
+                "same: a pose, a reading or a time; give a folder with bags of more runs",
                 folder=str(folder),
             )
         return [RunSeries(folder, runs[-MOST:], max(len(runs) - MOST, 0), left_aside)]
+
+    @property
+    def _counted(self) -> str:
+        return f" from {self._since!r} on" if self._since else ""
 
     def problem(self, sets: Sequence[RunSeries]) -> RunProblem:
         """The figures of all runs."""

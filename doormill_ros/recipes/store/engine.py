@@ -25,7 +25,7 @@ READ = "doormill_read"  #: execution option of a connection on which each statem
 
 def default_url(variable: str = ENVIRONMENT, file: str = FILE) -> str:
     """What an environment variable holds, else a SQLite file of this name in the site's folder."""
-    return os.environ.get(variable) or f"sqlite:///{site_folder() / file}"
+    return os.environ.get(variable) or str(site_folder() / file)
 
 
 def make_engine(url: str | None = None) -> sa.Engine:
@@ -50,6 +50,22 @@ def make_engine(url: str | None = None) -> sa.Engine:
     )
 
 
+def absolute(url: str) -> str:
+    """The same database for who stands in another folder.
+
+    Args:
+        url: As for `make_engine`.
+
+    Raises:
+        DatabaseUnreachable: Not a URL.
+    """
+    parsed, backend = _read(url)
+    if backend != "sqlite" or parsed.database in _IN_MEMORY:
+        return url
+    path = str(Path(str(parsed.database)).expanduser().absolute())
+    return path if not parsed.query else parsed.set(database=path).render_as_string(hide_password=False)
+
+
 def check_file(url: str) -> None:
     """Refuse a SQLite file that is not there: to open it would make an empty one.
 
@@ -69,7 +85,8 @@ def check_file(url: str) -> None:
 def _read(text: str) -> tuple[sa.URL, str]:
     """The URL that a text or a file's name is, and the kind of its database."""
     if "://" not in text:
-        text = f"sqlite:///{Path(text).expanduser()}"
+        # As text in a URL a name with ? or % would stand for another file.
+        return sa.URL.create("sqlite", database=str(Path(text).expanduser())), "sqlite"
     try:
         parsed = sa.make_url(text)
         return parsed, parsed.get_backend_name()

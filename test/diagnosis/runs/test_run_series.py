@@ -192,6 +192,13 @@ def test_one_run_alone_is_refused(tmp_path, capsys):
     assert not (tmp_path / "out").exists()
 
 
+def test_a_first_run_that_leaves_none_is_named(tmp_path, capsys):
+    write_series(draw_series(4, (), 3, order="cycle", calm=True), tmp_path / "runs")
+    asked = ["--runs", str(tmp_path / "runs"), "--since", "zzz", "--out", str(tmp_path / "out"), "--quiet"]
+    assert main(asked) == 2
+    assert "hold 0 runs from 'zzz' on, allowed are 2 or more" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("count", [2, 3])
 def test_few_runs_tell_of_no_change(count, tmp_path):
     answer = answer_of(draw_series(4, (), count, order="cycle", calm=True), tmp_path)
