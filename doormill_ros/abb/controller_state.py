@@ -59,6 +59,16 @@ class ControllerReading:
             return "the speed override is 0 %: raise it on the pendant"
         return ""
 
+    @property
+    def caution(self) -> str:
+        """What spoils doors of a robot that takes files, and what to do; "" for nothing."""
+        if self.hindrance or self.operating_mode != AUTOMATIC or self.speed_override >= 1.0:
+            return ""
+        return (
+            f"the speed override is {100.0 * self.speed_override:.0f} %: feeds and chips are as much smaller than "
+            "the recipes', and wood burns at small ones: raise it to 100 %"
+        )
+
     def require_fit(self) -> None:
         """Refuse to announce a file to a robot that cannot take it.
 

@@ -95,9 +95,9 @@ class ControllerMonitor:
     def _publish(self, reading: ControllerReading, events: tuple[ControllerEvent, ...]) -> None:
         hindrance = reading.hindrance
         stopped = reading.controller_state in (EMERGENCY_STOP, GUARD_STOP, "sysfail")
-        level = ERROR if stopped else WARN if hindrance else OK
+        level = ERROR if stopped else WARN if hindrance or reading.caution else OK
         code = ControllerStateError.code if hindrance else 0
-        self._diagnose(level, hindrance or "takes files", code, vars(reading))
+        self._diagnose(level, hindrance or reading.caution or "takes files", code, vars(reading))
         if (reading, "") == self._shown and not events:
             return
         self._shown = (reading, "")

@@ -97,6 +97,16 @@ def test_an_emergency_stop_is_told_with_what_to_do_and_keeps_files_back(listener
     listener.until(lambda: listener.levels[-1][0] == DiagnosticStatus.OK)
 
 
+def test_a_slow_override_takes_files_and_warns_of_small_chips(listener: Listener) -> None:
+    listener.until(lambda: listener.levels and listener.levels[-1] == (DiagnosticStatus.OK, "takes files"))
+    listener.panel.set_speed_override(10.0)
+    listener.until(lambda: listener.levels[-1][0] == DiagnosticStatus.WARN)
+    assert "the speed override is 10 %" in listener.levels[-1][1]
+    assert listener.states[-1].takes_files
+    listener.panel.set_speed_override(100.0)
+    listener.until(lambda: listener.levels[-1] == (DiagnosticStatus.OK, "takes files"))
+
+
 def test_a_controller_that_cannot_be_asked_is_an_error(listener: Listener) -> None:
     listener.until(lambda: listener.states and listener.states[-1].takes_files)
     stopped = threading.Thread(target=listener.server.stop)
