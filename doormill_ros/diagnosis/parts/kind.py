@@ -259,7 +259,7 @@ def _outliers(diagnosis: DoorDiagnosis) -> dict[str, list[int]]:
     problem, gross = diagnosis.problem, ~diagnosis.kept
     found: dict[str, list[int]] = {}
     for number, door in enumerate(problem.doors):
-        rows = door.points.row[gross[problem.door == number]] + 1
+        rows = problem.points.row[gross & (problem.door == number)] + 1
         if len(rows):
             found[door.name] = sorted([*found.get(door.name, []), *map(int, rows)])
     return found

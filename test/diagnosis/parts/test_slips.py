@@ -60,9 +60,13 @@ def test_a_slip_no_larger_than_what_mills_leave_is_told_by_what_was_found(door, 
     assert told.endswith(f"door_000: {row + 1}.")
 
 
-def test_gross_errors_are_told_by_their_rows_in_the_file_of_their_door(door):
+@pytest.mark.parametrize("every", [1, 3])
+def test_gross_errors_are_told_by_their_rows_in_the_file_of_their_door(door, monkeypatch, every):
+    """Of a shift with many points not every one is asked."""
     inspection, cut = door
-    wrong = (40, 99)
+    matched = inspected_door(inspection, cut).door.points.row
+    monkeypatch.setattr("doormill_ros.diagnosis.parts.problem.ROWS", -(-len(matched) // every))
+    wrong = tuple(int(row) for row in matched[::every][[20, 40]])
     moved = slipped(inspection, **{f"row{row}": 12.0 * inspection.noise for row in wrong})
     one = inspected_door(moved, cut)
     account = KIND.account(KIND.diagnose([one], lambda line: None), [one], [], lambda line: None)
