@@ -145,11 +145,9 @@ class Catalogue(Transactions):
             cells: Another machine may have a folder of the same path: runs of other cells keep theirs.
         """
         columns = schema.run.c
-        within = sa.or_(columns.bag == folder, columns.bag.startswith(f"{folder}/", autoescape=True))
         with self.write() as connection:
             schema.lock(connection)
-            known = connection.execute(sa.select(columns.bag).where(within).distinct()).scalars()
-            for gone in set(known) - set(there):
+            for gone in _below(connection, columns.bag, folder) - set(there):
                 lost = schema.run.update().where(columns.bag == gone, columns.cell.in_(cells))
                 connection.execute(lost.values(bag="", bag_sha256="", bag_bytes=0))
 
@@ -162,13 +160,9 @@ class Catalogue(Transactions):
             cells: Another machine may have a folder of the same path: runs of other cells keep theirs.
         """
         columns = schema.inspection.c
-        within = sa.or_(
-            columns.inspection == folder, columns.inspection.startswith(f"{folder}/", autoescape=True)
-        )
         with self.write() as connection:
             schema.lock(connection)
-            known = connection.execute(sa.select(columns.inspection).where(within).distinct()).scalars()
-            for gone in set(known) - set(there):
+            for gone in _below(connection, columns.inspection, folder) - set(there):
                 found = columns.inspection == gone
                 connection.execute(schema.inspection.delete().where(found, _of_cells(cells)))
 
@@ -257,6 +251,12 @@ class Catalogue(Transactions):
             f"the catalogue {self.url} cannot be used: {reason}; where it is damaged, move it away and fill a new "
             "one with catalogue rebuild DIR"
         )
+
+
+def _below(connection: sa.Connection, column: sa.Column[str], folder: str) -> set[str]:
+    """What a column of paths names at a folder and below it."""
+    within = sa.or_(column == folder, column.startswith(f"{folder}/", autoescape=True))
+    return set(connection.execute(sa.select(column).where(within).distinct()).scalars())
 
 
 def _put_runs(connection: sa.Connection, runs: Iterable[CataloguedRun], elsewhere: Mapping[str, str]) -> None:

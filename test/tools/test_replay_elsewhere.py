@@ -10,7 +10,6 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from distributed import LocalCluster
 
 from doormill_ros.errors import DoormillError
 from doormill_ros.recipes.store.database import RecipeDatabase
@@ -18,6 +17,7 @@ from doormill_ros.recording.replay.bag_verdict import judge_bag
 from doormill_ros.recording.replay.offline import OfflineOptions
 from doormill_ros.resources import share_directory
 from doormill_ros.tools.replay import main
+from support.dask_workers import dask_workers
 from support.source_tree import ROOT
 from support.waiting import LIMIT, until
 
@@ -28,25 +28,8 @@ SMALL = ROOT / "bags" / "unknown_door"
 def worker(tmp_path: Path) -> Iterator[str]:
     """The address of a scheduler with one worker, which stands in a folder of its own."""
     (tmp_path / "there").mkdir()
-    with LocalCluster(n_workers=0, dashboard_address="127.0.0.1:0") as cluster:
-        address = cluster.scheduler_address
-        command = [
-            sys.executable,
-            "-m",
-            "distributed.cli.dask_worker",
-            address,
-            "--no-nanny",
-            "--nthreads",
-            "1",
-        ]
-        environment = os.environ | {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
-        quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-        process = subprocess.Popen(command, env=environment, cwd=tmp_path / "there", **quiet)
-        try:
-            yield address
-        finally:
-            process.kill()
-            process.wait()
+    with dask_workers(1, tmp_path / "there") as (address, _):
+        yield address
 
 
 def test_a_relative_database_is_the_one_of_who_asks(

@@ -12,9 +12,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from distributed import LocalCluster
 
 from doormill_ros.tools.replay import main
+from support.dask_workers import dask_workers
 from support.run_bags import DrawnRun, write_run_bag
 from support.source_tree import ROOT
 
@@ -92,41 +92,14 @@ def test_what_was_not_compared_is_not_called_equal(capsys: pytest.CaptureFixture
 
 
 @pytest.fixture
-def workers(tmp_path: Path) -> Iterator[tuple[str, list[subprocess.Popen[str]]]]:
-    """A scheduler and two workers as processes, as on machines of their own."""
-    with LocalCluster(n_workers=0, dashboard_address="127.0.0.1:0") as cluster:
-        address = cluster.scheduler_address
-        command = [
-            sys.executable,
-            "-m",
-            "distributed.cli.dask_worker",
-            address,
-            "--no-nanny",
-            "--nthreads",
-            "1",
-        ]
-        environment = os.environ | {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
-        processes = [
-            subprocess.Popen(
-                command,
-                env=environment,
-                cwd=tmp_path,
-                stdout=subprocess.DEVNULL,
-                stderr=subprocess.DEVNULL,
-                text=True,
-            )
-            for _ in range(2)
-        ]
-        try:
-            yield address, processes
-        finally:
-            for process in processes:
-                process.kill()
-                process.wait()
+def workers(tmp_path: Path) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]:
+    """A scheduler and two workers."""
+    with dask_workers(2, tmp_path) as found:
+        yield found
 
 
 def test_a_worker_that_is_killed_costs_no_line(
-    bags: tuple[Path, str, str], workers: tuple[str, list[subprocess.Popen[str]]]
+    bags: tuple[Path, str, str], workers: tuple[str, list[subprocess.Popen[bytes]]]
 ) -> None:
     """Killed once the first line is there, whatever it does then; the other one does the rest."""
     (folder, poisoned, differing), (address, processes) = bags, workers
