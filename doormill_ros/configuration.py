@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-from pathlib import Path
 
 from doormill_ros.resources import CONFIG, resource, share_directory, site_folder
 from doormill_ros.software import DIGITS
@@ -25,13 +24,8 @@ def configuration() -> str:
     names |= {path.relative_to(own) for path in (own / CONFIG).glob("*/**/*")}
     digest = hashlib.sha256()
     for name in sorted(name for name in names if name.suffix in _ENDINGS and not name.match("nodes*")):
-        path = _found(name)
+        path = resource(name.as_posix())
         if path.is_file():
             digest.update(f"{name.as_posix()}\n".encode(errors="surrogateescape"))
             digest.update(hashlib.sha256(path.read_bytes()).digest())
     return digest.hexdigest()[:DIGITS]
-
-
-def _found(name: Path) -> Path:
-    own = site_folder() / name
-    return own if own.is_file() else resource(name.as_posix())

@@ -66,6 +66,13 @@ MODULE DoorLink
         nameTaken:=FALSE;
     ENDPROC
 
+    PROC WaitUntilOut()
+        ! Until the door that was begun is taken out.
+        WaitDI diDoorClamped,0;
+        doorSpent:=FALSE;
+        DropName;
+    ENDPROC
+
     PROC DropName()
         ! Written while a door was clamped it was that door's, read twice maybe: the next one is named anew.
         RemoveNote EXPECTED_FILE;
@@ -86,9 +93,7 @@ MODULE DoorLink
             IF diDoorClamped=1 THEN
                 Show TXT_WAIT_OPEN;
             ENDIF
-            WaitDI diDoorClamped,0;
-            doorSpent:=FALSE;
-            DropName;
+            WaitUntilOut;
         ENDIF
         IF diDoorClamped=0 THEN
             ForgetName;

@@ -206,8 +206,6 @@ MODULE DoorMill
         Set doPathDone;
         Reset doPathBusy;
         Show TXT_MILLED;
-        WaitDI diDoorClamped,0;
-        doorSpent:=FALSE;
-        DropName;
+        WaitUntilOut;
     ENDPROC
 ENDMODULE

@@ -116,11 +116,11 @@ MODULE DoorStop
         ENDIF
         ISleep spindleLost;
         ISleep toolLost;
-        IF speed>0 AND diGuardClosed=0 THEN
-            Show TXT_WAIT_GUARD;
-            WaitDI diGuardClosed,1;
-        ENDIF
         IF speed>0 THEN
+            IF diGuardClosed=0 THEN
+                Show TXT_WAIT_GUARD;
+                WaitDI diGuardClosed,1;
+            ENDIF
             IWatch toolLost;
             IF diToolClamped=0 THEN
                 EndDoor TXT_TOOL_LOOSE,"";
@@ -240,15 +240,14 @@ MODULE DoorStop
             doorChanged:=TRUE;
             ForgetName;
         ENDIF
-        IF stopReason=0 AND GivenUp() THEN
-            ! No event told of the stop, as after errors: whether the robot was jogged since nobody knows.
+        IF GivenUp() THEN
+            ! Where no event told of the stop, as after errors, nobody knows whether the robot was jogged since.
             underWay:=FALSE;
             StopSpindle;
             NoteStop TXT_STOPPED;
         ENDIF
         ! What is left of the path of a door that ended stays unmoved. With none left people move it.
         IF stopReason<>0 AND motionsLeft THEN
-            underWay:=FALSE;
             StopMove;
             ! No way back to the path either: the tool stands in the wood.
             ClearPath;

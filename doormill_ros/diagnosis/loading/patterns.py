@@ -13,7 +13,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.candidate import Candidate
-from doormill_ros.robot_model.elastic.causes.cause import JOINTS, ElasticCause, LinearTwist
+from doormill_ros.robot_model.elastic.causes.cause import ElasticCause, LinearTwist
 from doormill_ros.robot_model.elastic.law.memory import let_through
 from doormill_ros.robot_model.elastic.law.parts import Motion, mount, shifted, torsion, yielding
 from doormill_ros.robot_model.elastic.load_case import LoadCase
@@ -55,7 +55,7 @@ class Pattern(LinearTwist):
         if self.where == other.where:
             return True
         everywhere = isinstance(other, ElasticCause) and other.scales_all
-        return everywhere or (self.where == "cell" and other.where in JOINTS)
+        return everywhere or (self.where == "cell" and other.name.startswith("joint_"))
 
     def unit(self, case: LoadCase) -> FloatArray:
         """The pattern."""
