@@ -42,7 +42,7 @@ def _parameters(
 
 def record(scenario: Scenario, common: dict[str, dict[str, Any]]) -> list[str]:
     """Run one scenario and replace its bag; what was not as intended when it never was."""
-    from doormill_ros.nodes.cell import CellOptions, run_once
+    from doormill_ros.nodes.one_process.cell import CellOptions, run_once
 
     wrong: list[str] = []
     for _ in range(ATTEMPTS):

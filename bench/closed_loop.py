@@ -29,9 +29,9 @@ from doormill_ros.diagnosis.core.kind import run
 from doormill_ros.diagnosis.parts.kind import Inspections
 from doormill_ros.measurements.inspection import read_inspection
 from doormill_ros.monitor.watch_state import WatchState
-from doormill_ros.nodes.cell import CellOptions
-from doormill_ros.nodes.monitor_beside import ModelMonitorBeside
-from doormill_ros.nodes.shift import run_shift
+from doormill_ros.nodes.one_process.cell import CellOptions
+from doormill_ros.nodes.one_process.monitor_beside import ModelMonitorBeside
+from doormill_ros.nodes.one_process.shift import run_shift
 from doormill_ros.statistics import bootstrap_ratio
 from doormill_ros.units import m_to_um
 

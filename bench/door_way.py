@@ -13,7 +13,7 @@ from rclpy.serialization import deserialize_message
 
 from doormill_ros.abb.handshake.state import HandshakeState
 from doormill_ros.messages.stamps import nanoseconds_of
-from doormill_ros.nodes import topics
+from doormill_ros.nodes.base import topics
 from doormill_ros.recording.bag_reader import bag_files
 from doormill_ros.units import ns_to_s, s_to_ns
 

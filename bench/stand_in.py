@@ -17,12 +17,12 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from doormill_interfaces.msg import DoorPlacement
 from doormill_ros.abb import signals
 from doormill_ros.files import write_atomically
-from doormill_ros.nodes import topics
-from doormill_ros.nodes.camera_simulator import CameraSimulator
+from doormill_ros.nodes.base import topics
+from doormill_ros.nodes.base.managed_node import ManagedNode
+from doormill_ros.nodes.base.reporting_node import NodeParameter
 from doormill_ros.nodes.cell_simulator import make_room_for_pictures
-from doormill_ros.nodes.managed_node import ManagedNode
-from doormill_ros.nodes.reporting_node import NodeParameter
-from doormill_ros.nodes.run import run_nodes
+from doormill_ros.nodes.process.run import run_nodes
+from doormill_ros.nodes.simulated.camera_simulator import CameraSimulator
 from doormill_ros.simulation.controller.io_port import FolderIo
 
 POLL = 0.002  # s

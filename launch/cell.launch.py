@@ -32,7 +32,7 @@ GLOBAL = ("tf", "tf_static", "diagnostics")
 RESPAWN_DELAY = 1.0  # s
 #: Of each of two robots, in a namespace of its own, and whose share of a door it mills.
 ROBOTS = {"robot1": "first", "robot2": "second"}
-#: Names that their nodes share with the cell, as doormill_ros/nodes/robots.py has them.
+#: Names that their nodes share with the cell, as doormill_ros/nodes/base/robots.py has them.
 OF_THE_CELL = (
     "door/recipe",
     "door/pose",

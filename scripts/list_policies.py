@@ -19,11 +19,11 @@ from doormill_ros.cell.layout import CAMERA
 from doormill_ros.cell.run_folder import RunFolder
 from doormill_ros.localization.gige.library import Aravis
 from doormill_ros.localization.sensors.registry import SENSORS
-from doormill_ros.nodes.cell import GLOBAL, Cell, CellOptions
-from doormill_ros.nodes.composition import Composition
-from doormill_ros.nodes.door_inspections import GAUGE_PARAMETER
 from doormill_ros.nodes.folder_camera import FolderCamera
 from doormill_ros.nodes.gige_camera import GigeCamera
+from doormill_ros.nodes.milling.door_inspections import GAUGE_PARAMETER
+from doormill_ros.nodes.one_process.cell import GLOBAL, Cell, CellOptions
+from doormill_ros.nodes.process.composition import Composition
 from doormill_ros.operator.token import new_token
 from doormill_ros.resources import share_directory
 from doormill_ros.simulation.sensors.registry import SIMULATED_SENSORS

@@ -36,20 +36,20 @@ from doormill_ros.cell.node_names import ABB_BRIDGE, DOOR_SHARES
 from doormill_ros.cell.run import LOCALIZATION
 from doormill_ros.localization.sensors.agreement import rehearse_agreement
 from doormill_ros.messages.from_message import program_of
-from doormill_ros.nodes import topics
-from doormill_ros.nodes.alive import LEASE
-from doormill_ros.nodes.attendance import CellAttendance
-from doormill_ros.nodes.controller_monitor import ControllerMonitor
+from doormill_ros.nodes.base import topics
+from doormill_ros.nodes.base.alive import LEASE
+from doormill_ros.nodes.base.found_topics import type_name
+from doormill_ros.nodes.base.managed_node import ManagedNode
+from doormill_ros.nodes.base.reporting_node import ERROR, OK, WARN, NodeParameter
+from doormill_ros.nodes.bridge.attendance import CellAttendance
+from doormill_ros.nodes.bridge.controller_monitor import ControllerMonitor
+from doormill_ros.nodes.bridge.expect_door import ExpectDoorServer
+from doormill_ros.nodes.bridge.spindle_watch import SPINDLE_PARAMETER, SpindleWatch
 from doormill_ros.nodes.convert.program import program_into
-from doormill_ros.nodes.door_inspections import GAUGE_PARAMETER
-from doormill_ros.nodes.expect_door import ExpectDoorServer
-from doormill_ros.nodes.found_topics import type_name
-from doormill_ros.nodes.managed_node import ManagedNode
-from doormill_ros.nodes.mill_door import MillDoorServer
-from doormill_ros.nodes.reporting_node import ERROR, OK, WARN, NodeParameter
-from doormill_ros.nodes.run import run_nodes
-from doormill_ros.nodes.sensors_parameter import SENSORS_PARAMETER
-from doormill_ros.nodes.spindle_watch import SPINDLE_PARAMETER, SpindleWatch
+from doormill_ros.nodes.milling.door_inspections import GAUGE_PARAMETER
+from doormill_ros.nodes.milling.mill_door import MillDoorServer
+from doormill_ros.nodes.process.run import run_nodes
+from doormill_ros.nodes.sensing.sensors_parameter import SENSORS_PARAMETER
 from doormill_ros.pipeline.course import recipe_nodes, stage_of
 from doormill_ros.recording.typestores import reader_of
 from doormill_ros.robot.description import load_robot

@@ -22,12 +22,12 @@ from doormill_ros.catalogue.run_collector import CELL, SOFTWARE, TOPICS, topic_o
 from doormill_ros.cell.clock import EvenClock
 from doormill_ros.cell.errors import BadParameterError
 from doormill_ros.cell.node_names import BAG_RECORDER
-from doormill_ros.nodes import topics
-from doormill_ros.nodes.found_topics import is_hidden, matching, message_class, qos_document, type_name
-from doormill_ros.nodes.frame_publisher import frame_topics
-from doormill_ros.nodes.managed_node import ManagedNode
-from doormill_ros.nodes.reporting_node import ERROR, OK, WARN, NodeParameter
-from doormill_ros.nodes.run import run_nodes
+from doormill_ros.nodes.base import topics
+from doormill_ros.nodes.base.found_topics import is_hidden, matching, message_class, qos_document, type_name
+from doormill_ros.nodes.base.frame_publisher import frame_topics
+from doormill_ros.nodes.base.managed_node import ManagedNode
+from doormill_ros.nodes.base.reporting_node import ERROR, OK, WARN, NodeParameter
+from doormill_ros.nodes.process.run import run_nodes
 from doormill_ros.recording.bag_filler import BagFiller
 from doormill_ros.recording.bag_writer import BagWriter
 from doormill_ros.recording.bounded_queue import BoundedQueue, Received

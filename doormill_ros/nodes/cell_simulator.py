@@ -9,13 +9,13 @@ from functools import partial
 from pathlib import Path
 
 from doormill_ros.cell.two_robots import in_robot
-from doormill_ros.nodes.camera_simulator import CameraSimulator
-from doormill_ros.nodes.controller_simulator import ControllerSimulator
-from doormill_ros.nodes.help_page import parameters_page, words_apart
-from doormill_ros.nodes.robots import ROBOTS, robot_arguments
-from doormill_ros.nodes.run import run_nodes
-from doormill_ros.nodes.sensor_simulator import SensorSimulator
-from doormill_ros.nodes.shared_door_judge import SharedDoorJudge
+from doormill_ros.nodes.base.robots import ROBOTS, robot_arguments
+from doormill_ros.nodes.process.help_page import parameters_page, words_apart
+from doormill_ros.nodes.process.run import run_nodes
+from doormill_ros.nodes.simulated.camera_simulator import CameraSimulator
+from doormill_ros.nodes.simulated.controller_simulator import ControllerSimulator
+from doormill_ros.nodes.simulated.sensor_simulator import SensorSimulator
+from doormill_ros.nodes.simulated.shared_door_judge import SharedDoorJudge
 from doormill_ros.resources import resource
 
 #: What Fast DDS reads its settings from, in this release and in older ones.

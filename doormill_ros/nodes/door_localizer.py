@@ -32,15 +32,15 @@ from doormill_ros.localization.result import Localization
 from doormill_ros.messages.camera_info import camera_of
 from doormill_ros.messages.picture import picture_of
 from doormill_ros.messages.stamps import nanoseconds_of, seconds_of
-from doormill_ros.nodes import topics
+from doormill_ros.nodes.base import topics
+from doormill_ros.nodes.base.frame_publisher import FramePublisher
+from doormill_ros.nodes.base.managed_node import ManagedNode
+from doormill_ros.nodes.base.reporting_node import OK, WARN, NodeParameter
 from doormill_ros.nodes.convert.geometry import pose_message
 from doormill_ros.nodes.convert.picture import picture_message
-from doormill_ros.nodes.frame_publisher import FramePublisher
-from doormill_ros.nodes.managed_node import ManagedNode
-from doormill_ros.nodes.pose_teller import PoseTeller
-from doormill_ros.nodes.reporting_node import OK, WARN, NodeParameter
-from doormill_ros.nodes.run import run_nodes
-from doormill_ros.nodes.sensors_parameter import SENSORS_PARAMETER
+from doormill_ros.nodes.process.run import run_nodes
+from doormill_ros.nodes.sensing.pose_teller import PoseTeller
+from doormill_ros.nodes.sensing.sensors_parameter import SENSORS_PARAMETER
 from doormill_ros.pipeline.look import look
 from doormill_ros.robot.urdf import LinkPose
 from doormill_ros.units import ns_to_s

@@ -8,8 +8,8 @@ from functools import partial
 import cv2
 
 from doormill_ros.localization.sensors.registry import SENSORS
-from doormill_ros.nodes.run import run_nodes
-from doormill_ros.nodes.sensor_localizer import SensorLocalizer
+from doormill_ros.nodes.process.run import run_nodes
+from doormill_ros.nodes.sensing.sensor_localizer import SensorLocalizer
 
 
 def main() -> int:

@@ -22,16 +22,16 @@ from doormill_ros.cell.node_names import DOOR_SHARES
 from doormill_ros.cell.run import Run, RunDesk, StageLimits
 from doormill_ros.cell.run_in_hand import RunNote
 from doormill_ros.messages.from_message import recipe_of
-from doormill_ros.nodes import topics
-from doormill_ros.nodes.action_server import MillDoorActionServer
+from doormill_ros.nodes.base import topics
+from doormill_ros.nodes.base.managed_node import ManagedNode
+from doormill_ros.nodes.base.reporting_node import OK, WARN, NodeParameter
+from doormill_ros.nodes.base.robots import ROBOTS
 from doormill_ros.nodes.convert.run_end import run_end_into
-from doormill_ros.nodes.door_inspections import GAUGE_PARAMETER, DoorInspections
-from doormill_ros.nodes.managed_node import ManagedNode
-from doormill_ros.nodes.recipe_client import RecipeClient
-from doormill_ros.nodes.reporting_node import OK, WARN, NodeParameter
-from doormill_ros.nodes.robots import ROBOTS
-from doormill_ros.nodes.run import run_nodes
-from doormill_ros.nodes.share_client import ShareClient
+from doormill_ros.nodes.milling.action_server import MillDoorActionServer
+from doormill_ros.nodes.milling.door_inspections import GAUGE_PARAMETER, DoorInspections
+from doormill_ros.nodes.milling.recipe_client import RecipeClient
+from doormill_ros.nodes.milling.share_client import ShareClient
+from doormill_ros.nodes.process.run import run_nodes
 from doormill_ros.pipeline.run_end import RunEnd
 from doormill_ros.pipeline.shared_course import SharedCourse
 from doormill_ros.toolpath.settings import load_settings

@@ -25,13 +25,13 @@ from doormill_ros.localization.gige.library import Aravis, load_aravis
 from doormill_ros.localization.gige.line import CameraLine
 from doormill_ros.localization.gige.waiting import Waiting
 from doormill_ros.localization.view import face_view
-from doormill_ros.nodes import topics
+from doormill_ros.nodes.base import topics
+from doormill_ros.nodes.base.reporting_node import OK, NodeParameter
 from doormill_ros.nodes.convert.picture import camera_info_message, picture_message
-from doormill_ros.nodes.pose_teller import PoseTeller
-from doormill_ros.nodes.reporting_node import OK, NodeParameter
-from doormill_ros.nodes.requested_camera import RequestedCamera
-from doormill_ros.nodes.run import run_nodes
-from doormill_ros.nodes.sensors_parameter import SENSORS_PARAMETER
+from doormill_ros.nodes.process.run import run_nodes
+from doormill_ros.nodes.sensing.pose_teller import PoseTeller
+from doormill_ros.nodes.sensing.requested_camera import RequestedCamera
+from doormill_ros.nodes.sensing.sensors_parameter import SENSORS_PARAMETER
 
 WATCH_PERIOD = 2.0  # s between looks at a camera of which no picture is wanted
 LOOK_PERIOD = 0.1  # s between looks at how long a run has waited for its picture

@@ -27,13 +27,13 @@ from doormill_ros.monitor.questioner import Questioner
 from doormill_ros.monitor.runs_watch import RunsState, RunsWatch
 from doormill_ros.monitor.watch import ModelWatch
 from doormill_ros.monitor.watch_state import WatchSettings, WatchState
-from doormill_ros.nodes import topics
+from doormill_ros.nodes.base import topics
+from doormill_ros.nodes.base.managed_node import ManagedNode
+from doormill_ros.nodes.base.reporting_node import ERROR, OK, WARN, NodeParameter
 from doormill_ros.nodes.convert.inspection import inspection_message
 from doormill_ros.nodes.convert.runs_verdict import verdict_of_runs
 from doormill_ros.nodes.convert.verdict import verdict_of_model
-from doormill_ros.nodes.managed_node import ManagedNode
-from doormill_ros.nodes.reporting_node import ERROR, OK, WARN, NodeParameter
-from doormill_ros.nodes.run import run_nodes
+from doormill_ros.nodes.process.run import run_nodes
 
 PERIOD = 1.0  # s
 

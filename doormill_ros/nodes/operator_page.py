@@ -33,15 +33,15 @@ from doormill_ros.localization.errors import BadPicture
 from doormill_ros.messages.from_message import gauged_of, inspection_of, recipe_of
 from doormill_ros.messages.picture import colours_of, picture_of
 from doormill_ros.messages.stamps import nanoseconds_of, seconds_of
-from doormill_ros.nodes import topics
+from doormill_ros.nodes.base import topics
+from doormill_ros.nodes.base.managed_node import ManagedNode
+from doormill_ros.nodes.base.reporting_node import ERROR, OK, NodeParameter
+from doormill_ros.nodes.base.robots import ROBOTS
+from doormill_ros.nodes.clients.operator_control import ACTION, ActionControl
 from doormill_ros.nodes.convert.planned_times import planned_times_of
 from doormill_ros.nodes.convert.runs_verdict import view_of_runs
 from doormill_ros.nodes.convert.verdict import view_of_model
-from doormill_ros.nodes.managed_node import ManagedNode
-from doormill_ros.nodes.operator_control import ACTION, ActionControl
-from doormill_ros.nodes.reporting_node import ERROR, OK, NodeParameter
-from doormill_ros.nodes.robots import ROBOTS
-from doormill_ros.nodes.run import run_nodes
+from doormill_ros.nodes.process.run import run_nodes
 from doormill_ros.operator.audit import AuditLog
 from doormill_ros.operator.captioned_picture import CAPTIONS
 from doormill_ros.operator.door_view import door_view, worst_by_feature

@@ -21,16 +21,16 @@ from doormill_ros.frames import BASE_FRAME, TOOL_FRAME
 from doormill_ros.messages.from_message import door_pose_of, recipe_of
 from doormill_ros.messages.stamps import nanoseconds_of, seconds_of
 from doormill_ros.models.store import store_folder
-from doormill_ros.nodes import topics
+from doormill_ros.nodes.base import topics
+from doormill_ros.nodes.base.frame_publisher import FramePublisher
+from doormill_ros.nodes.base.managed_node import ManagedNode
+from doormill_ros.nodes.base.reporting_node import OK, WARN, NodeParameter
+from doormill_ros.nodes.base.robots import ROBOTS
 from doormill_ros.nodes.convert.geometry import path_message, pose_message
 from doormill_ros.nodes.convert.markers import body_markers, no_markers, program_markers
 from doormill_ros.nodes.convert.program import Nested, program_into
 from doormill_ros.nodes.convert.recipe import recipe_message
-from doormill_ros.nodes.frame_publisher import FramePublisher
-from doormill_ros.nodes.managed_node import ManagedNode
-from doormill_ros.nodes.reporting_node import OK, WARN, NodeParameter
-from doormill_ros.nodes.robots import ROBOTS
-from doormill_ros.nodes.run import run_nodes
+from doormill_ros.nodes.process.run import run_nodes
 from doormill_ros.pipeline.model_in_use import SetupInUse, VersionedSetup
 from doormill_ros.pipeline.plan import plan, prepare, rehearse
 from doormill_ros.recipes.recipe import Recipe

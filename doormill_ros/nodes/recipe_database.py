@@ -11,13 +11,13 @@ from std_msgs.msg import Header
 from doormill_interfaces.msg import DoorRecipe
 from doormill_interfaces.srv import GetRecipe, ImportRecipes, ListRecipes
 from doormill_ros.cell.node_names import RECIPE_DATABASE
-from doormill_ros.nodes import topics
+from doormill_ros.nodes.base import topics
+from doormill_ros.nodes.base.managed_node import ManagedNode
+from doormill_ros.nodes.base.named_door import check_named_once
+from doormill_ros.nodes.base.reporting_node import OK, NodeParameter
 from doormill_ros.nodes.convert.recipe import recipe_message, summary_message
-from doormill_ros.nodes.managed_node import ManagedNode
-from doormill_ros.nodes.named_door import check_named_once
-from doormill_ros.nodes.reporting_node import OK, NodeParameter
-from doormill_ros.nodes.run import run_nodes
-from doormill_ros.nodes.tool_wear import ToolWear
+from doormill_ros.nodes.milling.tool_wear import ToolWear
+from doormill_ros.nodes.process.run import run_nodes
 from doormill_ros.recipes.store.database import RecipeDatabase
 
 

@@ -107,7 +107,7 @@ def _check(arguments: argparse.Namespace) -> list[str]:
 
 def _listen(arguments: argparse.Namespace, take: Callable[[ByteArray], bool]) -> None:
     # Late, so that files are calibrated without ROS.
-    from doormill_ros.nodes.picture_listener import listen
+    from doormill_ros.nodes.clients.picture_listener import listen
 
     listen(arguments.topic, take, arguments.wait)
 

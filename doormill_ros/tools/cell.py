@@ -65,7 +65,7 @@ def _mill_door(options: argparse.Namespace, parameters: Parameters, alone: bool)
     """Mill one door, write and tell of its report; the status of `main`."""
     from doormill_ros.cell.inspection import OUT_OF_TOLERANCE
     from doormill_ros.errors import DoormillError
-    from doormill_ros.nodes.cell import CellOptions, run_once
+    from doormill_ros.nodes.one_process.cell import CellOptions, run_once
     from doormill_ros.pages.charts import import_matplotlib
     from doormill_ros.pipeline.plan import load_setup
     from doormill_ros.recording.errors import BagError
@@ -171,9 +171,9 @@ def _mill_shift(options: argparse.Namespace, parameters: Parameters, alone: bool
     """Mill doors one after the other; 0 when nothing is wrong with any, 1 otherwise, 2 when a file cannot be used."""
     from doormill_ros.cell.run_folder import ShiftFolder
     from doormill_ros.errors import DoormillError
-    from doormill_ros.nodes.cell import CellOptions
-    from doormill_ros.nodes.monitor_beside import ModelMonitorBeside
-    from doormill_ros.nodes.shift import run_shift
+    from doormill_ros.nodes.one_process.cell import CellOptions
+    from doormill_ros.nodes.one_process.monitor_beside import ModelMonitorBeside
+    from doormill_ros.nodes.one_process.shift import run_shift
     from doormill_ros.pages.charts import import_matplotlib
     from doormill_ros.pipeline.plan import load_setup
     from doormill_ros.report.run_report import write_report

@@ -46,7 +46,7 @@ def main(argv: list[str] | None = None) -> int:
     """Run the tool; 0 for a cell that is ready, 1 with a line for each hindrance, 2 for a wrong command line."""
     options = parser().parse_args(argv)
     # Late, so that --help answers without ROS.
-    from doormill_ros.nodes.health import listen
+    from doormill_ros.nodes.clients.health import listen
 
     hindrances = listen(options.namespace, options.wait, options.robots)
     if not hindrances:

@@ -95,7 +95,7 @@ def _replay(bag: Path, options: argparse.Namespace) -> int:
     from doormill_ros.recording.replay.replay import replay_bag
 
     if options.live:
-        from doormill_ros.nodes.live_replay import SLACK, LiveOptions, replay_live
+        from doormill_ros.nodes.replay.live_replay import SLACK, LiveOptions, replay_live
         from doormill_ros.recording.replay.live import LIVE_STAGES
 
         live = LiveOptions(options.rate, options.robot_model, options.database)

@@ -10,7 +10,7 @@ import pytest
 
 from doormill_ros.abb import signals
 from doormill_ros.cell.waiting import wait
-from doormill_ros.nodes.controller_simulator import switch_on
+from doormill_ros.nodes.simulated.controller_simulator import switch_on
 from support.afternoon.campaign import Tally, play
 from support.afternoon.cell import CREDENTIALS
 from support.afternoon.faults import KINDS, Fault, draw

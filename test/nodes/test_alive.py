@@ -10,8 +10,8 @@ import pytest
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
 
-from doormill_ros.nodes.alive import GRACE, LEASE, AliveWatch
-from doormill_ros.nodes.managed_node import ManagedNode
+from doormill_ros.nodes.base.alive import GRACE, LEASE, AliveWatch
+from doormill_ros.nodes.base.managed_node import ManagedNode
 from support.cell_processes import executable
 
 

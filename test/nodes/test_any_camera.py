@@ -18,7 +18,7 @@ from doormill_interfaces.msg import DoorLocalization
 from doormill_ros.cell.errors import BadParameterError
 from doormill_ros.localization.errors import BadPicture, CameraInfoSize
 from doormill_ros.messages.picture import ENCODINGS
-from doormill_ros.nodes import topics
+from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.door_localizer import DoorLocalizer
 from support.localizer_node import Localizer
 

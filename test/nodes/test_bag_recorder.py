@@ -27,10 +27,10 @@ from doormill_interfaces.action import MillDoor
 from doormill_ros.catalogue.database import Catalogue
 from doormill_ros.catalogue.rebuild import rebuild
 from doormill_ros.cell.errors import BadParameterError
-from doormill_ros.nodes import topics
 from doormill_ros.nodes.bag_recorder import BagRecorder
-from doormill_ros.nodes.goal_client import GoalClient
-from doormill_ros.nodes.spinning import SteadyExecutor
+from doormill_ros.nodes.base import topics
+from doormill_ros.nodes.clients.goal_client import GoalClient
+from doormill_ros.nodes.process.spinning import SteadyExecutor
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.software import software
 from support.waiting import LIMIT

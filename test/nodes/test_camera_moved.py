@@ -14,9 +14,9 @@ from std_msgs.msg import Header
 
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.errors import CameraMoved
-from doormill_ros.nodes import topics
+from doormill_ros.nodes.base import topics
+from doormill_ros.nodes.base.reporting_node import OK, WARN
 from doormill_ros.nodes.convert.picture import picture_message
-from doormill_ros.nodes.reporting_node import OK, WARN
 from doormill_ros.simulation.picture.picture import render_picture
 from doormill_ros.simulation.picture.scene import PictureScene, SceneCamera
 from support.localizer_node import Answers, Localizer

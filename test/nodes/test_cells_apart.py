@@ -24,11 +24,11 @@ from doormill_interfaces.msg import TargetArray
 from doormill_ros.abb import signals
 from doormill_ros.abb.handshake.state import HandshakeState
 from doormill_ros.cell.layout import load_layout
-from doormill_ros.nodes import topics
 from doormill_ros.nodes.abb_bridge import AbbBridge
-from doormill_ros.nodes.attendance import ALONE
+from doormill_ros.nodes.base import topics
+from doormill_ros.nodes.bridge.attendance import ALONE
 from doormill_ros.nodes.convert.program import program_into
-from doormill_ros.nodes.spinning import SteadyExecutor
+from doormill_ros.nodes.process.spinning import SteadyExecutor
 from doormill_ros.pipeline.plan import load_setup, plan
 from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.recording.bag_reader import read_bag

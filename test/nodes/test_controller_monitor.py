@@ -12,10 +12,11 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from doormill_interfaces.msg import ControllerState
 from doormill_ros.abb.controller_state import ControllerEvent, ControllerReading
 from doormill_ros.abb.link_errors import ControllerStateError, LinkError, LoginError
-from doormill_ros.nodes import controller_monitor, topics
-from doormill_ros.nodes.controller_monitor import ControllerMonitor
-from doormill_ros.nodes.managed_node import ManagedNode
-from doormill_ros.nodes.spinning import SteadyExecutor
+from doormill_ros.nodes.base import topics
+from doormill_ros.nodes.base.managed_node import ManagedNode
+from doormill_ros.nodes.bridge import controller_monitor
+from doormill_ros.nodes.bridge.controller_monitor import ControllerMonitor
+from doormill_ros.nodes.process.spinning import SteadyExecutor
 from support.waiting import LIMIT
 
 

@@ -17,8 +17,8 @@ from rclpy.parameter import Parameter
 from doormill_interfaces.msg import ControllerState, TargetArray
 from doormill_ros.abb import signals
 from doormill_ros.abb.link_errors import ControllerStateError
-from doormill_ros.nodes import topics
 from doormill_ros.nodes.abb_bridge import AbbBridge
+from doormill_ros.nodes.base import topics
 from doormill_ros.simulation.controller.operation.panel import ControlPanel
 from doormill_ros.simulation.controller.rws_server.cabinet import Cabinet
 from doormill_ros.simulation.controller.rws_server.server import RwsServer

@@ -18,12 +18,12 @@ from visualization_msgs.msg import Marker
 from doormill_interfaces.msg import DoorPlacement, TargetArray
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.messages.from_message import program_of, transform_of
+from doormill_ros.nodes.base.nested_messages import reading
+from doormill_ros.nodes.base.topics import PATH_TARGETS
 from doormill_ros.nodes.convert.executed import executed_message, executed_of, milled_message
 from doormill_ros.nodes.convert.geometry import path_message
 from doormill_ros.nodes.convert.markers import body_markers, program_markers
 from doormill_ros.nodes.convert.program import Nested, program_into
-from doormill_ros.nodes.nested_messages import reading
-from doormill_ros.nodes.topics import PATH_TARGETS
 from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.robot.bodies import Body
 from doormill_ros.robot.configuration import ConfData

@@ -11,7 +11,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from doormill_ros.abb.handshake.state import HandshakeSnapshot, HandshakeState
 from doormill_ros.abb.link_errors import MillingFaultError
 from doormill_ros.nodes.abb_bridge import code_of, level_of
-from doormill_ros.nodes.cell import CellOptions, run_once
+from doormill_ros.nodes.one_process.cell import CellOptions, run_once
 from doormill_ros.recording.bag_reader import read_bag
 
 

@@ -10,9 +10,9 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
 from doormill_interfaces.msg import DoorInspection, MilledDoor
-from doormill_ros.nodes import topics
-from doormill_ros.nodes.door_inspections import GAUGE_PARAMETER, DoorInspections
-from doormill_ros.nodes.managed_node import ManagedNode
+from doormill_ros.nodes.base import topics
+from doormill_ros.nodes.base.managed_node import ManagedNode
+from doormill_ros.nodes.milling.door_inspections import GAUGE_PARAMETER, DoorInspections
 
 TOPIC = topics.MILLED_DOOR
 

@@ -20,8 +20,8 @@ from doormill_ros.cell.run_folder import RunFolder
 from doormill_ros.cell.summary import RunSummary
 from doormill_ros.localization.sensors.errors import BadReading, BeamMissed, SensorsDisagree
 from doormill_ros.localization.sensors.registry import SENSORS
-from doormill_ros.nodes import topics
-from doormill_ros.nodes.cell import Cell, CellOptions, run_once
+from doormill_ros.nodes.base import topics
+from doormill_ros.nodes.one_process.cell import Cell, CellOptions, run_once
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.recording.replay.replay import replay_bag
 from doormill_ros.simulation.sensors.registry import SIMULATED_SENSORS

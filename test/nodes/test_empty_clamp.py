@@ -14,9 +14,9 @@ from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.empty_clamp.empty_clamp import EmptyClamp
 from doormill_ros.localization.errors import NoDoor, StaleEmptyClamp
 from doormill_ros.messages.picture import picture_of
-from doormill_ros.nodes import topics
+from doormill_ros.nodes.base import topics
+from doormill_ros.nodes.base.reporting_node import OK, WARN
 from doormill_ros.nodes.convert.picture import picture_message
-from doormill_ros.nodes.reporting_node import OK, WARN
 from doormill_ros.simulation.picture.picture import render_picture
 from doormill_ros.simulation.picture.scene import PictureScene, Surface
 from doormill_ros.units import MM

@@ -14,8 +14,8 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 
 from doormill_interfaces.action import MillDoor
-from doormill_ros.nodes.action_server import MillDoorActionServer
-from doormill_ros.nodes.goal_client import GoalClient
+from doormill_ros.nodes.clients.goal_client import GoalClient
+from doormill_ros.nodes.milling.action_server import MillDoorActionServer
 from doormill_ros.pipeline.run_end import RunEnd
 from support.waiting import LIMIT
 

@@ -10,8 +10,8 @@ import pytest
 from doormill_interfaces.action import MillDoor
 from doormill_ros.abb.handshake.state import HandshakeState
 from doormill_ros.cell.errors import NodeDeadError, RunCutOffError
-from doormill_ros.nodes import topics
-from doormill_ros.nodes.goal_client import GoalClient
+from doormill_ros.nodes.base import topics
+from doormill_ros.nodes.clients.goal_client import GoalClient
 from support.cell_processes import CellProcesses
 from support.waiting import LIMIT
 

@@ -11,8 +11,8 @@ from doormill_interfaces.action import MillDoor
 from doormill_ros.cell.errors import RunCutOffError
 from doormill_ros.cell.node_names import DOOR_SHARES
 from doormill_ros.cell.run_in_hand import RunNote
-from doormill_ros.nodes import topics
-from doormill_ros.nodes.goal_client import GoalClient
+from doormill_ros.nodes.base import topics
+from doormill_ros.nodes.clients.goal_client import GoalClient
 from support.cell_processes import CellProcesses
 from support.waiting import LIMIT
 

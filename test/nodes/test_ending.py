@@ -11,17 +11,17 @@ import pytest
 import rclpy
 from rclpy.signals import SignalHandlerOptions, get_current_signal_handlers_options
 
-from doormill_ros.nodes.managed_node import ManagedNode
-from doormill_ros.nodes.run import shut_down
-from doormill_ros.nodes.spinning import SteadyExecutor
+from doormill_ros.nodes.base.managed_node import ManagedNode
+from doormill_ros.nodes.process.run import shut_down
+from doormill_ros.nodes.process.spinning import SteadyExecutor
 from support.waiting import LIMIT
 
 #: Signals itself when it is up, and again while it closes; says when it has closed and when it has left the graph.
 SIGNALLED = """
 import signal, sys, time
-from doormill_ros.nodes import run
-from doormill_ros.nodes.managed_node import ManagedNode
-from doormill_ros.nodes.run import run_nodes
+from doormill_ros.nodes.process import run
+from doormill_ros.nodes.base.managed_node import ManagedNode
+from doormill_ros.nodes.process.run import run_nodes
 
 class Signalled(ManagedNode):
     def __init__(self):
@@ -94,8 +94,8 @@ def test_a_closing_that_takes_long_says_where_it_stands_and_comes_to_its_end() -
 #: A fault of a library, while nodes spin.
 FAULTY = """
 import ctypes, sys
-from doormill_ros.nodes.managed_node import ManagedNode
-from doormill_ros.nodes.run import run_nodes
+from doormill_ros.nodes.base.managed_node import ManagedNode
+from doormill_ros.nodes.process.run import run_nodes
 
 class Faulty(ManagedNode):
     def __init__(self):
@@ -132,9 +132,9 @@ def _signalled(
 #: Is told to end while it is still configured.
 EARLY = """
 import signal, sys, time
-from doormill_ros.nodes import topics
-from doormill_ros.nodes.managed_node import ManagedNode
-from doormill_ros.nodes.run import run_nodes
+from doormill_ros.nodes.base import topics
+from doormill_ros.nodes.base.managed_node import ManagedNode
+from doormill_ros.nodes.process.run import run_nodes
 
 class Early(ManagedNode):
     def __init__(self):
@@ -162,9 +162,9 @@ def test_what_a_node_meets_that_is_ended_while_it_is_configured_is_no_fault() ->
 #: What rclpy still has installed while nodes close, and after that.
 ENDED = """
 import sys
-from doormill_ros.nodes.composition import Composition
-from doormill_ros.nodes.managed_node import ManagedNode
-from doormill_ros.nodes.run import run_nodes
+from doormill_ros.nodes.process.composition import Composition
+from doormill_ros.nodes.base.managed_node import ManagedNode
+from doormill_ros.nodes.process.run import run_nodes
 from rclpy.node import Node
 from rclpy.signals import get_current_signal_handlers_options as installed
 
@@ -203,8 +203,8 @@ def test_what_rclpy_installed_is_gone_before_nodes_close(how: str, installed: li
 #: The same for nodes in the process of a command, which goes on afterwards.
 COMPOSED = """
 import signal
-from doormill_ros.nodes.composition import Composition
-from doormill_ros.nodes.managed_node import ManagedNode
+from doormill_ros.nodes.process.composition import Composition
+from doormill_ros.nodes.base.managed_node import ManagedNode
 from rclpy.node import Node
 
 class Signalled(ManagedNode):
@@ -238,7 +238,7 @@ import signal
 import rclpy
 for number in (signal.SIGINT, signal.SIGTERM):
     signal.signal(number, lambda *_: None)
-from doormill_ros.nodes.run import STOP_LIMIT, ignore_signals, leave_ros, shut_down
+from doormill_ros.nodes.process.run import STOP_LIMIT, ignore_signals, leave_ros, shut_down
 rclpy.init()
 print("closing", flush=True)
 for _ in range(20000):

@@ -14,10 +14,10 @@ from rclpy.parameter import Parameter
 from doormill_interfaces.srv import ExpectDoor
 from doormill_ros.abb import signals
 from doormill_ros.abb.link_errors import DoorNameError
-from doormill_ros.nodes import expect_door
 from doormill_ros.nodes.abb_bridge import AbbBridge
+from doormill_ros.nodes.bridge import expect_door
+from doormill_ros.nodes.process.spinning import SteadyExecutor
 from doormill_ros.nodes.recipe_database import RecipeDatabaseNode
-from doormill_ros.nodes.spinning import SteadyExecutor
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.simulation.controller.controller import VirtualController
 from support.rapid_bench import arm  # noqa: F401

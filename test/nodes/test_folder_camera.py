@@ -9,7 +9,7 @@ import numpy as np
 
 from doormill_ros.cell.layout import DoorOffset
 from doormill_ros.localization.errors import BadPicture
-from doormill_ros.nodes import topics
+from doormill_ros.nodes.base import topics
 from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.simulation.picture.picture import render_picture
 from doormill_ros.simulation.picture.scene import PictureScene

@@ -25,12 +25,12 @@ from doormill_ros.cell.layout import load_layout
 from doormill_ros.frames import from_xyzw, rotation_x, transform
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.messages.from_message import transform_of
-from doormill_ros.nodes import topics
+from doormill_ros.nodes.base import topics
+from doormill_ros.nodes.base.frame_publisher import frame_topics, tf_message_class, transform_message
 from doormill_ros.nodes.convert.geometry import pose_message
 from doormill_ros.nodes.convert.recipe import recipe_message
-from doormill_ros.nodes.frame_publisher import frame_topics, tf_message_class, transform_message
 from doormill_ros.nodes.path_generator import PathGenerator
-from doormill_ros.nodes.spinning import SteadyExecutor
+from doormill_ros.nodes.process.spinning import SteadyExecutor
 from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.robot.description import load_robot

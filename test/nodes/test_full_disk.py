@@ -27,9 +27,9 @@ import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from doormill_ros.nodes import topics
+from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.bag_recorder import BagRecorder
-from doormill_ros.nodes.spinning import SteadyExecutor
+from doormill_ros.nodes.process.spinning import SteadyExecutor
 
 folder, size, limit = sys.argv[1], int(sys.argv[2]), int(sys.argv[3])
 rclpy.init()

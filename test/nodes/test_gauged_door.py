@@ -7,7 +7,7 @@ from pathlib import Path
 from doormill_interfaces.msg import AbbStatus, DoorInspection
 from doormill_ros.abb.handshake.state import HandshakeState
 from doormill_ros.cell.errors import OutOfToleranceError
-from doormill_ros.nodes import topics
+from doormill_ros.nodes.base import topics
 from support.cell_processes import NODES, CellProcesses
 
 DOOR = "thesis_190_0deg"

@@ -10,7 +10,7 @@ from rclpy.action import ActionClient
 from rclpy.node import Node
 
 from doormill_interfaces.action import MillDoor
-from doormill_ros.nodes.goal_client import GoalClient
+from doormill_ros.nodes.clients.goal_client import GoalClient
 
 
 class SpunNode(Node):

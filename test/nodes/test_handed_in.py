@@ -18,8 +18,8 @@ from rclpy.parameter import Parameter
 from doormill_interfaces.msg import DoorInspection, RunResult
 from doormill_interfaces.srv import HandInInspection
 from doormill_ros.measurements.inspection_writer import write_inspection
-from doormill_ros.nodes import topics
-from doormill_ros.nodes.managed_node import ManagedNode
+from doormill_ros.nodes.base import topics
+from doormill_ros.nodes.base.managed_node import ManagedNode
 from doormill_ros.nodes.model_monitor import ModelMonitor
 from doormill_ros.nodes.operator_page import OperatorPage
 from doormill_ros.operator.history import load_history

@@ -14,7 +14,7 @@ from rclpy.parameter import Parameter
 from rclpy.serialization import deserialize_message
 
 from doormill_ros.localization.errors import BadCameraInfo, BadDoorFace, BadPicture, StalePicture
-from doormill_ros.nodes import topics
+from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.model_monitor import ModelMonitor
 from support.cell_processes import NODES, CellProcesses
 from support.hostile.listeners import FEWER, RUNS, Listener, feed, good_message, listeners, taps_of

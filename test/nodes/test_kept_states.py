@@ -9,7 +9,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from doormill_interfaces.msg import AbbStatus
 from doormill_ros.abb.handshake.state import HandshakeState
-from doormill_ros.nodes import topics
+from doormill_ros.nodes.base import topics
 
 
 def test_who_comes_after_a_door_is_told_of_all_its_states(context: rclpy.Context) -> None:

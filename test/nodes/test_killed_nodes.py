@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from doormill_ros.cell.errors import NodeDeadError
-from doormill_ros.nodes.alive import LEASE
+from doormill_ros.nodes.base.alive import LEASE
 from support.cell_processes import CellProcesses
 
 DOOR = "thesis_190_0deg"

@@ -12,7 +12,7 @@ import pytest
 import rclpy
 from rclpy.node import Node
 
-from doormill_ros.nodes import topics
+from doormill_ros.nodes.base import topics
 from support.cell_processes import NODES, CellProcesses
 
 DOOR = "thesis_190_0deg"

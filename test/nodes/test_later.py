@@ -10,7 +10,7 @@ import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.lifecycle import TransitionCallbackReturn
 
-from doormill_ros.nodes.managed_node import ManagedNode
+from doormill_ros.nodes.base.managed_node import ManagedNode
 from support.waiting import LIMIT
 
 

@@ -19,16 +19,18 @@ from doormill_interfaces.action import MillDoor
 from doormill_interfaces.msg import DoorRecipe
 from doormill_ros.cell.run import StageLimits
 from doormill_ros.localization.errors import CameraInfoMissing, StalePicture
-from doormill_ros.nodes import door_shares, mill_door, topics
+from doormill_ros.nodes import door_shares
 from doormill_ros.nodes.abb_bridge import AbbBridge
-from doormill_ros.nodes.camera_simulator import UNSET, CameraSimulator
-from doormill_ros.nodes.controller_simulator import ControllerSimulator
+from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.door_localizer import DoorLocalizer
 from doormill_ros.nodes.door_shares import DoorShares
 from doormill_ros.nodes.gige_camera import GigeCamera
+from doormill_ros.nodes.milling import mill_door
 from doormill_ros.nodes.model_monitor import ModelMonitor
-from doormill_ros.nodes.sensor_simulator import SensorSimulator
-from doormill_ros.nodes.simulated_shift import SimulatedShift
+from doormill_ros.nodes.simulated.camera_simulator import UNSET, CameraSimulator
+from doormill_ros.nodes.simulated.controller_simulator import ControllerSimulator
+from doormill_ros.nodes.simulated.sensor_simulator import SensorSimulator
+from doormill_ros.nodes.simulated.simulated_shift import SimulatedShift
 from doormill_ros.pipeline.run_end import RunEnd
 from support.hostile.listeners import Listener
 from support.localizer_node import Answers, Localizer

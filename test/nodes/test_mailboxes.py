@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from doormill_ros.nodes.mailboxes import (
+from doormill_ros.nodes.process.mailboxes import (
     FILE,
     LOWEST,
     SPOKEN_LOOKS,

@@ -12,7 +12,7 @@ from rcl_interfaces.srv import SetParameters
 from doormill_interfaces.msg import DoorInspection
 from doormill_interfaces.srv import AcceptModel, HandInInspection, RevertModel
 from doormill_ros.diagnosis.parts.next_step import next_sentence
-from doormill_ros.nodes import topics
+from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.convert.verdict import faults_of, steps_of
 from doormill_ros.recording.bag_reader import read_bag
 from support.cell_processes import NODES, CellProcesses

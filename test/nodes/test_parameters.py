@@ -15,17 +15,17 @@ from rclpy.parameter import Parameter
 
 from doormill_ros.cell.errors import BadParameterError
 from doormill_ros.nodes.abb_bridge import AbbBridge, caution_of
-from doormill_ros.nodes.camera_simulator import CameraSimulator
-from doormill_ros.nodes.cell import NODES
-from doormill_ros.nodes.chosen_values import check_values
-from doormill_ros.nodes.controller_simulator import ControllerSimulator
+from doormill_ros.nodes.base.chosen_values import check_values
+from doormill_ros.nodes.base.managed_node import ManagedNode
+from doormill_ros.nodes.base.reporting_node import NodeParameter, ReportingNode
 from doormill_ros.nodes.door_localizer import DoorLocalizer
-from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.model_monitor import ModelMonitor
+from doormill_ros.nodes.one_process.cell import NODES
 from doormill_ros.nodes.path_generator import PathGenerator
-from doormill_ros.nodes.reporting_node import NodeParameter, ReportingNode
-from doormill_ros.nodes.run import run_nodes
-from doormill_ros.nodes.unknown_parameters import unknown_nodes, unknown_parameters
+from doormill_ros.nodes.process.run import run_nodes
+from doormill_ros.nodes.process.unknown_parameters import unknown_nodes, unknown_parameters
+from doormill_ros.nodes.simulated.camera_simulator import CameraSimulator
+from doormill_ros.nodes.simulated.controller_simulator import ControllerSimulator
 from support.package_nodes import first_arguments, reporting_nodes
 
 ALL = reporting_nodes()

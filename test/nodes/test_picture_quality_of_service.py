@@ -11,7 +11,7 @@ from std_msgs.msg import Header
 
 from doormill_interfaces.srv import GetRecipe
 from doormill_ros.localization.camera import load_camera
-from doormill_ros.nodes import topics
+from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.convert.picture import camera_info_message, picture_message
 from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.simulation.picture.picture import render_picture

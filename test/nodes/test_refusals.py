@@ -13,7 +13,7 @@ from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
 
 from doormill_interfaces.srv import ImportRecipes
-from doormill_ros.nodes import topics
+from doormill_ros.nodes.base import topics
 from doormill_ros.recipes.documents import shipped_recipes
 from support.cell_processes import PATIENT, CellProcesses
 

@@ -14,10 +14,10 @@ from rclpy.lifecycle import TransitionCallbackReturn
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from doormill_ros.nodes import topics
 from doormill_ros.nodes.abb_bridge import AbbBridge
+from doormill_ros.nodes.base import topics
+from doormill_ros.nodes.base.managed_node import ManagedNode
 from doormill_ros.nodes.door_localizer import DoorLocalizer
-from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.path_generator import PathGenerator
 from doormill_ros.nodes.recipe_database import RecipeDatabaseNode
 from support.waiting import LIMIT

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 
 from doormill_ros.cell.two_robots import in_robot
-from doormill_ros.nodes.robots import ROBOTS, robot_remappings
+from doormill_ros.nodes.base.robots import ROBOTS, robot_remappings
 from support.source_tree import ROOT
 
 

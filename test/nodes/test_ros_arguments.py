@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 
 from doormill_ros.cell.errors import NodeDeadError
-from doormill_ros.nodes import topics
-from doormill_ros.nodes.help_page import words_apart
-from doormill_ros.nodes.managed_node import ManagedNode
-from doormill_ros.nodes.run import run_nodes
+from doormill_ros.nodes.base import topics
+from doormill_ros.nodes.base.managed_node import ManagedNode
+from doormill_ros.nodes.process.help_page import words_apart
+from doormill_ros.nodes.process.run import run_nodes
 from support.cell_processes import NODES, CellProcesses, executable
 from support.package_nodes import reporting_nodes
 from support.waiting import LIMIT

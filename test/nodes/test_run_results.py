@@ -8,7 +8,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
 from doormill_interfaces.msg import RunResult
-from doormill_ros.nodes import topics
+from doormill_ros.nodes.base import topics
 
 
 def test_results_that_follow_each_other_at_once_are_all_heard(context: rclpy.Context) -> None:

@@ -13,9 +13,9 @@ from diagnostic_msgs.msg import DiagnosticStatus
 
 from doormill_interfaces.msg import RunResult, RunsVerdict
 from doormill_ros.monitor.runs_finding import FEW
-from doormill_ros.nodes import topics
+from doormill_ros.nodes.base import topics
+from doormill_ros.nodes.base.reporting_node import OK, WARN
 from doormill_ros.nodes.convert.runs_verdict import changes_of_runs
-from doormill_ros.nodes.reporting_node import OK, WARN
 from doormill_ros.recording.bag_reader import read_bag
 from support.cell_processes import CellProcesses, free_port
 from support.run_series import Series, draw_series

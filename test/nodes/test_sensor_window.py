@@ -12,7 +12,7 @@ from rclpy.context import Context
 from sensor_msgs.msg import CameraInfo, RegionOfInterest
 
 from doormill_ros.localization.errors import BadCameraInfo, CameraInfoSize, NoEdge
-from doormill_ros.nodes import topics
+from doormill_ros.nodes.base import topics
 from support.localizer_node import Localizer
 
 NO_REGION = (0, 0, 0, 0)

@@ -10,8 +10,8 @@ from rclpy.serialization import deserialize_message
 
 from doormill_ros.cell.two_robots import FIRST, SECOND
 from doormill_ros.frames import transform
-from doormill_ros.nodes import topics
-from doormill_ros.nodes.shared_door_judge import SharedDoorJudge
+from doormill_ros.nodes.base import topics
+from doormill_ros.nodes.simulated.shared_door_judge import SharedDoorJudge
 
 
 class Told:

@@ -17,8 +17,8 @@ from std_msgs.msg import Header
 
 from doormill_interfaces.srv import AcceptModel
 from doormill_ros.models.store import ModelStore
+from doormill_ros.nodes.base.managed_node import ManagedNode
 from doormill_ros.nodes.convert.recipe import recipe_message
-from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.model_monitor import ModelMonitor
 from doormill_ros.nodes.operator_page import OperatorPage
 from doormill_ros.nodes.path_generator import PathGenerator

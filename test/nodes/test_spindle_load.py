@@ -10,7 +10,7 @@ import numpy as np
 from doormill_ros.abb import signals
 from doormill_ros.cell.errors import OutOfToleranceError
 from doormill_ros.diagnosis.runs.ungauged_run import ungauged_runs
-from doormill_ros.nodes import topics
+from doormill_ros.nodes.base import topics
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.simulation.spindle_load import IDLE, NOISE
 from support.cell_processes import CellProcesses

@@ -11,10 +11,10 @@ from doormill_interfaces.msg import SpindleLoad
 from doormill_ros.abb.handshake.spindle_load import SpindleLoadMeter
 from doormill_ros.abb.handshake.state import HandshakeSnapshot, HandshakeState
 from doormill_ros.abb.link_errors import LinkError, ReadTimeoutError, UnknownSignalError
-from doormill_ros.nodes import topics
-from doormill_ros.nodes.managed_node import ManagedNode
-from doormill_ros.nodes.spindle_watch import SPINDLE_PARAMETER, SpindleWatch
-from doormill_ros.nodes.spinning import SteadyExecutor
+from doormill_ros.nodes.base import topics
+from doormill_ros.nodes.base.managed_node import ManagedNode
+from doormill_ros.nodes.bridge.spindle_watch import SPINDLE_PARAMETER, SpindleWatch
+from doormill_ros.nodes.process.spinning import SteadyExecutor
 from support.memory_transport import MemoryTransport
 from support.waiting import LIMIT
 
@@ -81,7 +81,7 @@ def said(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """What the node's log got, whatever its level."""
     words: list[str] = []
     monkeypatch.setattr(
-        "doormill_ros.nodes.managed_node.ManagedNode.get_logger",
+        "doormill_ros.nodes.base.managed_node.ManagedNode.get_logger",
         lambda _: type("Log", (), {"info": staticmethod(words.append)})(),
     )
     return words

@@ -14,8 +14,8 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.timer import Timer
 
-from doormill_ros.nodes import spinning
-from doormill_ros.nodes.spinning import SteadyExecutor
+from doormill_ros.nodes.process import spinning
+from doormill_ros.nodes.process.spinning import SteadyExecutor
 from support.waiting import LIMIT
 
 
@@ -182,8 +182,8 @@ STANDING = """
 import threading
 import rclpy
 from rclpy.node import Node
-from doormill_ros.nodes import spinning
-from doormill_ros.nodes.spinning import SteadyExecutor
+from doormill_ros.nodes.process import spinning
+from doormill_ros.nodes.process.spinning import SteadyExecutor
 
 def waits_for_ever():
     threading.Event().wait()
@@ -210,7 +210,7 @@ IDLE = """
 import threading
 import rclpy
 from rclpy.node import Node
-from doormill_ros.nodes.spinning import SteadyExecutor
+from doormill_ros.nodes.process.spinning import SteadyExecutor
 
 rclpy.init()
 node = Node("idle", start_parameter_services=False)

@@ -11,7 +11,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from doormill_interfaces.action import MillDoor
 from doormill_interfaces.msg import DoorRecipe
 from doormill_ros.cell.errors import StageTimeoutError
-from doormill_ros.nodes import topics
+from doormill_ros.nodes.base import topics
 from support.cell_processes import NODES, CellProcesses
 from support.clock_to_set import ClockToSet
 

@@ -13,7 +13,7 @@ import pytest
 from doormill_interfaces.action import MillDoor
 from doormill_interfaces.msg import RunResult, StageTimes
 from doormill_ros.cell.errors import StageTimeoutError
-from doormill_ros.nodes import topics
+from doormill_ros.nodes.base import topics
 from doormill_ros.recording.bag_reader import read_bag
 from support.cell_processes import NODES, CellProcesses, free_port
 from support.waiting import LIMIT

@@ -6,7 +6,7 @@ import rclpy
 from std_msgs.msg import Bool
 
 from doormill_interfaces.msg import RunResult
-from doormill_ros.nodes.requested_sensor import RequestedSensor
+from doormill_ros.nodes.sensing.requested_sensor import RequestedSensor
 
 
 class Slow(RequestedSensor):

@@ -9,7 +9,7 @@ import pytest
 from rclpy.context import Context
 
 from doormill_interfaces.msg import DoorPlacement
-from doormill_ros.nodes.controller_simulator import ControllerSimulator
+from doormill_ros.nodes.simulated.controller_simulator import ControllerSimulator
 from support.hostile.listeners import Listener
 from support.waiting import LIMIT
 

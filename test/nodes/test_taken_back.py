@@ -8,8 +8,8 @@ import pytest
 import rclpy
 
 from doormill_ros.errors import DoormillError
-from doormill_ros.nodes.managed_node import ManagedNode
-from doormill_ros.nodes.reporting_node import ERROR, OK, WARN
+from doormill_ros.nodes.base.managed_node import ManagedNode
+from doormill_ros.nodes.base.reporting_node import ERROR, OK, WARN
 
 Call = Callable[[str], None]
 

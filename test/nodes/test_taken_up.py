@@ -6,7 +6,7 @@ import signal
 from pathlib import Path
 
 from doormill_interfaces.action import MillDoor
-from doormill_ros.nodes import topics
+from doormill_ros.nodes.base import topics
 from support.cell_processes import CellProcesses
 
 DOOR = "thesis_190_0deg"

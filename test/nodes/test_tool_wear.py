@@ -10,7 +10,7 @@ import pytest
 
 from doormill_interfaces.msg import AbbStatus, RunResult, TargetArray
 from doormill_interfaces.srv import GetRecipe, ListRecipes
-from doormill_ros.nodes import topics
+from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.convert.program import program_into
 from doormill_ros.pipeline.plan import load_setup, plan
 from doormill_ros.recipes.documents import load_recipe

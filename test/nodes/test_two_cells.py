@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from pathlib import Path
 
-from doormill_ros.nodes.cell import CellOptions, run_once
+from doormill_ros.nodes.one_process.cell import CellOptions, run_once
 from doormill_ros.recording.bag_reader import read_bag
 
 #: A loaded machine must not turn a good door into a refused one.

@@ -18,7 +18,7 @@ import pytest
 from doormill_ros.abb.target_file.target_file import read_target_file
 from doormill_ros.cell.errors import NodeInactiveError
 from doormill_ros.messages.stamps import seconds_of
-from doormill_ros.nodes.cell import CellOptions, run_once
+from doormill_ros.nodes.one_process.cell import CellOptions, run_once
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.recording.replay.replay import replay_bag
 from doormill_ros.report.run_report import write_report

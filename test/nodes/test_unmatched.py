@@ -13,9 +13,9 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Bool, String
 
 from doormill_interfaces.action import MillDoor
-from doormill_ros.nodes import topics
-from doormill_ros.nodes.managed_node import ManagedNode
-from doormill_ros.nodes.unmatched import UnmatchedEndpoints
+from doormill_ros.nodes.base import topics
+from doormill_ros.nodes.base.managed_node import ManagedNode
+from doormill_ros.nodes.base.unmatched import UnmatchedEndpoints
 from support.waiting import LIMIT
 
 LESS = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)

@@ -17,10 +17,10 @@ from doormill_interfaces.msg import DoorLocalization, DoorRecipe, RunResult
 from doormill_ros.localization.gige.errors import NoPictureInTime
 from doormill_ros.localization.gige.library import Aravis
 from doormill_ros.localization.gige.waiting import SILENT
-from doormill_ros.nodes import topics
 from doormill_ros.nodes.abb_bridge import AbbBridge
+from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.gige_camera import GigeCamera
-from doormill_ros.nodes.live_replay import LiveOptions, repeats_the_end, replay_live
+from doormill_ros.nodes.replay.live_replay import LiveOptions, repeats_the_end, replay_live
 from doormill_ros.recording.replay.answer import LOCALIZATION_STAGE, RECIPE_STAGE, RESULT_STAGE
 from doormill_ros.recording.replay.offline import replay_offline
 from doormill_ros.recording.replay.recorded_run import RecordedRun

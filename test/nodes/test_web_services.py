@@ -12,7 +12,7 @@ import yaml
 from doormill_ros.abb import signals
 from doormill_ros.abb.target_file.target_file import read_target_file
 from doormill_ros.abb.transports.simulated_folder import LOCK_FILE
-from doormill_ros.nodes import topics
+from doormill_ros.nodes.base import topics
 from doormill_ros.resources import resource
 from doormill_ros.simulation.spindle_load import IDLE, NOISE
 from support.cell_processes import NODES, CellProcesses, free_port

@@ -18,9 +18,9 @@ from rclpy.parameter import Parameter
 from doormill_interfaces.msg import RunResult
 from doormill_ros.cell.inspection import MeasuredDoor
 from doormill_ros.cell.summary import RunSummary
-from doormill_ros.nodes import topics
+from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.operator_page import OperatorPage
-from doormill_ros.nodes.spinning import SteadyExecutor
+from doormill_ros.nodes.process.spinning import SteadyExecutor
 from doormill_ros.operator.ended_run import EndedRun
 from doormill_ros.operator.history import FILE, append_history, load_history
 from doormill_ros.operator.state import HISTORY

@@ -17,7 +17,7 @@ import httpx
 import pytest
 import yaml
 
-from doormill_ros.nodes import topics
+from doormill_ros.nodes.base import topics
 from support.cell_processes import NODES, CellProcesses, executable, free_port
 from support.waiting import LIMIT
 

@@ -25,7 +25,7 @@ CELL = """
 import sys, time
 from pathlib import Path
 from doormill_ros.cell.run_folder import RunFolder
-from doormill_ros.nodes.cell import Cell, CellOptions
+from doormill_ros.nodes.one_process.cell import Cell, CellOptions
 folder = RunFolder(Path(sys.argv[1]))
 folder.prepare()
 with Cell(folder, CellOptions({"abb_bridge": {"limit.picture": 60.0, "limit.targets": 60.0}})) as cell:

@@ -12,7 +12,7 @@ from rclpy.qos import DurabilityPolicy, QoSCompatibility, QoSProfile, Reliabilit
 
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.frames import BASE_FRAME, CAMERA_FRAME, DOOR_FRAME, TOOL_FRAME
-from doormill_ros.nodes import topics
+from doormill_ros.nodes.base import topics
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.robot.description import load_robot
 from support.source_tree import ROOT

@@ -22,9 +22,9 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from doormill_interfaces.action import MillDoor
-from doormill_ros.nodes import topics
-from doormill_ros.nodes.goal_client import GoalClient
-from doormill_ros.nodes.mailboxes import lost_mailboxes
+from doormill_ros.nodes.base import topics
+from doormill_ros.nodes.clients.goal_client import GoalClient
+from doormill_ros.nodes.process.mailboxes import lost_mailboxes
 from support.waiting import LIMIT
 
 NODES = (

@@ -9,9 +9,9 @@ from rclpy.parameter import Parameter
 from rclpy.serialization import deserialize_message, serialize_message
 
 from doormill_interfaces.msg import DoorLocalization
-from doormill_ros.nodes import topics
+from doormill_ros.nodes.base import topics
+from doormill_ros.nodes.base.managed_node import ManagedNode
 from doormill_ros.nodes.door_localizer import DoorLocalizer
-from doormill_ros.nodes.managed_node import ManagedNode
 
 
 def up(kind: type[ManagedNode], context: Context, **values: Any) -> Any:

@@ -12,15 +12,15 @@ from rclpy.node import Node
 import doormill_ros.nodes
 from doormill_ros.localization.gige.library import Aravis
 from doormill_ros.localization.sensors.registry import SENSORS
+from doormill_ros.nodes.base.reporting_node import ReportingNode
 from doormill_ros.nodes.gige_camera import GigeCamera
-from doormill_ros.nodes.reporting_node import ReportingNode
-from doormill_ros.nodes.sensor_localizer import SensorLocalizer
+from doormill_ros.nodes.sensing.sensor_localizer import SensorLocalizer
 
 
 def nodes_of_the_package() -> list[type[Node]]:
     """By name; those too that others are made from."""
     found = set()
-    for module in pkgutil.iter_modules(doormill_ros.nodes.__path__, "doormill_ros.nodes."):
+    for module in pkgutil.walk_packages(doormill_ros.nodes.__path__, "doormill_ros.nodes."):
         for _, one in inspect.getmembers(importlib.import_module(module.name), inspect.isclass):
             if issubclass(one, Node) and one.__module__.startswith("doormill_ros."):
                 found.add(one)

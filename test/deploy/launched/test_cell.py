@@ -14,7 +14,7 @@ import httpx
 import pytest
 import yaml
 
-from doormill_ros.nodes import topics
+from doormill_ros.nodes.base import topics
 from support.cell_processes import MANAGED, NODES, PATIENT, CellProcesses, free_port
 from support.source_tree import ROOT
 from support.waiting import LIMIT

@@ -16,7 +16,7 @@ from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.gige.errors import NoPictureInTime
 from doormill_ros.localization.gige.exposure import EdgeLight
 from doormill_ros.localization.view import face_view
-from doormill_ros.nodes import topics
+from doormill_ros.nodes.base import topics
 from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.simulation.picture.picture import render_picture
 from doormill_ros.simulation.picture.scene import PictureScene

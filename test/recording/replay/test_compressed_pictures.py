@@ -13,7 +13,7 @@ from PIL import Image as Pillow
 from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import CompressedImage, Image
 
-from doormill_ros.nodes.live_replay import LiveOptions, replay_live
+from doormill_ros.nodes.replay.live_replay import LiveOptions, replay_live
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.recording.bag_writer import BagWriter
 from doormill_ros.recording.replay.recorded_run import RecordedRun

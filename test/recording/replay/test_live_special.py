@@ -6,7 +6,7 @@ import math
 
 from doormill_ros.cell.errors import RunCanceledError, StageTimeoutError
 from doormill_ros.localization.errors import StalePicture
-from doormill_ros.nodes.live_replay import LiveOptions, repeats_the_end, replay_live
+from doormill_ros.nodes.replay.live_replay import LiveOptions, repeats_the_end, replay_live
 from doormill_ros.recording.replay.answer import (
     LOCALIZATION_STAGE,
     RECIPE_STAGE,

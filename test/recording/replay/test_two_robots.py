@@ -15,7 +15,7 @@ from doormill_ros.abb.target_file.target_file import render_target_file
 from doormill_ros.cell.two_robots import SHARE_OF, in_robot, robot_of
 from doormill_ros.messages.from_message import recipe_of, transform_of
 from doormill_ros.nodes.convert.program import program_into
-from doormill_ros.nodes.live_replay import LiveOptions, replay_live
+from doormill_ros.nodes.replay.live_replay import LiveOptions, replay_live
 from doormill_ros.pipeline.plan import load_setup, plan
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.recording.bag_writer import BagWriter

@@ -21,7 +21,7 @@ TEXTS = ("MODULE A PROC main() x := 1; ENDPROC ENDMODULE", "MODULE B CONST num b
 SWITCHED_ON = """
 import hashlib, sys
 from pathlib import Path
-from doormill_ros.nodes.controller_simulator import switch_on
+from doormill_ros.nodes.simulated.controller_simulator import switch_on
 controller = switch_on(Path(sys.argv[1])).controller
 print(hashlib.sha256(repr(controller._modules).encode()).hexdigest(), len(controller._modules), "lark" in sys.modules)
 """

@@ -12,7 +12,7 @@ from doormill_ros.diagnosis.parts.late import LAGS
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.localizer import localize
 from doormill_ros.messages.from_message import program_of
-from doormill_ros.nodes.controller_simulator import switch_on
+from doormill_ros.nodes.simulated.controller_simulator import switch_on
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.simulation.controller.limits import load_limits
 from doormill_ros.simulation.picture.picture import render_picture

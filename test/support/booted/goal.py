@@ -10,7 +10,7 @@ import rclpy
 from rclpy.node import Node
 
 from doormill_interfaces.action import MillDoor
-from doormill_ros.nodes.goal_client import GoalClient
+from doormill_ros.nodes.clients.goal_client import GoalClient
 
 FOUND = 30.0  # s
 #: A server drops its answer to a client that it has not heard of, which a client cannot see.

@@ -24,9 +24,9 @@ from rclpy.parameter import Parameter
 
 from doormill_interfaces.action import MillDoor
 from doormill_ros.cell.errors import NodeDeadError
-from doormill_ros.nodes import topics
-from doormill_ros.nodes.goal_client import GoalClient
-from doormill_ros.nodes.mailboxes import Mailboxes
+from doormill_ros.nodes.base import topics
+from doormill_ros.nodes.clients.goal_client import GoalClient
+from doormill_ros.nodes.process.mailboxes import Mailboxes
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.units import ns_to_s
 from support.cell_processes import free_port

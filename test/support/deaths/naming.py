@@ -11,7 +11,7 @@ from typing import Any
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
 
-from doormill_ros.nodes.alive import GRACE, LEASE, alive_topic
+from doormill_ros.nodes.base.alive import GRACE, LEASE, alive_topic
 from support.deaths.strikes import NODES, Strike
 
 #: Nodes that one executable runs.

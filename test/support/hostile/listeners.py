@@ -19,10 +19,10 @@ from doormill_interfaces.msg import DoorRecipe, SensorReading
 from doormill_ros.cell.layout import CAMERA
 from doormill_ros.localization.gige.library import Aravis
 from doormill_ros.localization.sensors.registry import SENSORS
-from doormill_ros.nodes import topics
 from doormill_ros.nodes.abb_bridge import AbbBridge
 from doormill_ros.nodes.bag_recorder import BagRecorder
-from doormill_ros.nodes.controller_simulator import ControllerSimulator
+from doormill_ros.nodes.base import topics
+from doormill_ros.nodes.base.reporting_node import ReportingNode
 from doormill_ros.nodes.door_localizer import DoorLocalizer
 from doormill_ros.nodes.door_shares import DoorShares
 from doormill_ros.nodes.folder_camera import FolderCamera
@@ -30,10 +30,10 @@ from doormill_ros.nodes.gige_camera import GigeCamera
 from doormill_ros.nodes.model_monitor import ModelMonitor
 from doormill_ros.nodes.operator_page import OperatorPage
 from doormill_ros.nodes.recipe_database import RecipeDatabaseNode
-from doormill_ros.nodes.reporting_node import ReportingNode
-from doormill_ros.nodes.sensor_localizer import SensorLocalizer
-from doormill_ros.nodes.sensor_simulator import SensorSimulator
-from doormill_ros.nodes.shared_door_judge import SharedDoorJudge
+from doormill_ros.nodes.sensing.sensor_localizer import SensorLocalizer
+from doormill_ros.nodes.simulated.controller_simulator import ControllerSimulator
+from doormill_ros.nodes.simulated.sensor_simulator import SensorSimulator
+from doormill_ros.nodes.simulated.shared_door_judge import SharedDoorJudge
 from support.hostile.messages import filled
 from support.package_nodes import reporting_nodes
 

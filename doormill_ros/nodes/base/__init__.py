@@ -1,0 +1,1 @@
+"""What every node is made of: life cycle, parameters, diagnostics, topics, signs of life, frames."""

@@ -1,0 +1,1 @@
+"""What tools and pages ask the nodes from outside, and hear of them."""

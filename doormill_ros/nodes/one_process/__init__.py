@@ -1,0 +1,1 @@
+"""The whole cell in one process, for one door or a shift."""

@@ -1,0 +1,1 @@
+"""What runs nodes: executors, start and end of a process, its command line."""

@@ -1,0 +1,1 @@
+"""Parts of the nodes of cameras and other sensors: triggered by a request, told as poses."""

@@ -1,0 +1,1 @@
+"""Nodes that stand for camera, sensors and controller, and that judge what they did."""
