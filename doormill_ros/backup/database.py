@@ -69,7 +69,7 @@ class SiteDatabase:
         """
         if self.kind == SQLITE:
             with _failures("copied"), _connected(self._file) as source, _connected(copy) as target:
-                source.backup(target)
+                _copy(source, target)
                 target.execute("PRAGMA journal_mode = DELETE")
                 shutil.copymode(self._file, copy)
             return _revision(copy)
@@ -157,7 +157,7 @@ class SiteDatabase:
                     shutil.copymode(copy, self._file)
                 try:
                     with _connected(copy) as source, _connected(self._file) as target:
-                        source.backup(target)
+                        _copy(source, target)
                 except sqlite3.OperationalError:  # somebody holds it, or it may not be written
                     raise
                 except sqlite3.DatabaseError:
@@ -256,6 +256,15 @@ def _tables_of(path: Path) -> list[str]:
     except sqlite3.DatabaseError:
         return []
     return [str(name) for (name,) in found if not str(name).startswith("sqlite_")]
+
+
+def _copy(source: sqlite3.Connection, target: sqlite3.Connection) -> None:
+    def look(status: int, remaining: int, pages: int) -> None:
+        # Each of the connections has waited for `BUSY`; left alone, the copy asks again without end.
+        if status == sqlite3.SQLITE_BUSY:
+            raise sqlite3.OperationalError(f"somebody holds it for longer than {BUSY:g} s")
+
+    source.backup(target, progress=look)
 
 
 def _copy_files(source: Path, target: Path) -> None:
