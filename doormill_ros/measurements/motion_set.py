@@ -21,6 +21,7 @@ from doormill_ros.units import DEG
 
 #: Numbers of joints that a robot may have.
 JOINTS = (6, 7)
+NOISE = ("link", "motor", "torque")
 STANDS = 1e-6  #: range of a joint that stands, at most [rad]
 SLOPE = 0.1  #: by which a degree for a radian may be off and still be that
 
@@ -73,6 +74,8 @@ def read_motion_set(folder: Path) -> MotionSet:
     """
     document = SetDocument(folder / "set.yaml")
     document.check_schema(MOTION_SET)
+    document.check_spelling(("source", "noise"))
+    document.check_spelling(("gear_ratio", "joint_stiffness", "motor_inertia"), "model")
     rate = document.number("rate", positive=True)
     joints = _joints(document)
     ratio, stiffness = (
@@ -198,8 +201,9 @@ def _noise(document: SetDocument) -> tuple[float | None, float | None, float | N
     stated = document.data.get("noise") or {}
     if not isinstance(stated, dict):
         raise document.fail(("noise",), "needs link, motor and torque")
+    if stated:
+        document.check_spelling(NOISE, "noise")
     link, motor, torque = (
-        document.number("noise", name, positive=True) if name in stated else None
-        for name in ("link", "motor", "torque")
+        document.number("noise", name, positive=True) if name in stated else None for name in NOISE
     )
     return link, motor, torque

@@ -120,6 +120,8 @@ def read_pose_set(folder: Path) -> PoseSet:
     """
     document = SetDocument(folder / "set.yaml")
     document.check_schema(POSE_SET)
+    document.check_spelling(("source", "noise", "placement"))
+    document.check_spelling(("dh", "links"), "model")
     same_as = _same_as(document)
     dh = _dh(document)
     joints = tuple(f"q{k}" for k in range(1, len(dh) + 1))
@@ -296,6 +298,7 @@ def _noise(document: SetDocument) -> tuple[float, float]:
     noise = document.get("noise")
     if not isinstance(noise, dict):
         raise document.fail(("noise",), "needs position and rotation")
+    document.check_spelling(NOISE, "noise")
     return tuple(  # type: ignore[return-value]
         document.number("noise", name, positive=True) if name in noise else default
         for name, default in zip(NOISE, DEFAULT_NOISE, strict=True)

@@ -121,6 +121,7 @@ class _Reader:
         self.rotation = self.document.number("wrench_frame_rotation")
         check_values(self.document, ("wrench_frame_rotation",), self.rotation, TWIST)
         self.load_point = self.document.vector(3, "load_point")
+        self.document.check_spelling(("tracker_rotation",))
         tracker = np.zeros(3)
         if "tracker_rotation" in self.document.data:
             tracker = self.document.vector(3, "tracker_rotation")

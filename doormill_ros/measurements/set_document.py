@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +15,8 @@ from doormill_ros.errors import DataSetError
 from doormill_ros.files import NotUtf8, read_utf8
 from doormill_ros.measurements.errors import DataFileError, SetDescriptionError
 from doormill_ros.yaml_text import NotYaml, parse
+
+_NEARLY = 0.85  #: share of letters that two names have in common [difflib's ratio], of which one is the other misspelt
 
 
 def read_text(path: Path) -> str:
@@ -96,6 +100,24 @@ class SetDocument:
         """
         if self.get("schema") != allowed:
             raise self.fail(("schema",), f"is {self.get('schema')!r}, allowed is {allowed}")
+
+    def check_spelling(self, optional: Collection[str], *keys: str) -> None:
+        """Refuse a key that is nearly one that may be left out: it would be taken for left out without a word.
+
+        Others that nobody reads are a lab's own notes.
+
+        Args:
+            optional: Keys that may be left out.
+            keys: Of the mapping that holds them; none for the document.
+
+        Raises:
+            SetDescriptionError: There is such a key.
+        """
+        mapping = self.get(*keys) if keys else self.data
+        for key in map(str, mapping) if isinstance(mapping, dict) else ():
+            near = difflib.get_close_matches(key.lower(), optional, n=1, cutoff=_NEARLY)
+            if key not in optional and near:
+                raise self.fail((*keys, key), f"is read by nothing; write {near[0]} if that is meant")
 
     def text(self, *keys: str) -> str:
         """A text, or the text of a number.

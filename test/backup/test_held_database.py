@@ -25,7 +25,7 @@ def test_a_database_that_somebody_holds_is_told(
     with closing(sqlite3.connect(held, isolation_level=None)) as other:
         other.execute("PRAGMA journal_mode = DELETE")
         other.execute("BEGIN EXCLUSIVE")
-        with pytest.raises(BackupDatabaseError, match="somebody holds it|locked"):
+        with pytest.raises(BackupDatabaseError, match="somebody holds it"):
             one.take(copy) if way == "out" else one.put(copy)
         other.execute("ROLLBACK")
     one.take(tmp_path / "afterwards.sqlite")

@@ -148,6 +148,8 @@ def _cell(line, column, text):
         (lambda f: _edit(f, lambda one: one.update(schema="doormill/motion-set/9")), 502, "doormill/motion-set/1"),
         (lambda f: _edit(f, lambda one: one.update(joints=[1, 2, 8])), 502, "ascending numbers from 1 to 7"),
         (lambda f: _edit(f, lambda one: one.update(joints=[])), 502, "ascending numbers from 1 to 7"),
+        (lambda f: _edit(f, lambda one: one.update(Noise={})), 502, "Noise is read by nothing; write noise"),
+        (lambda f: _edit(f, lambda one: one["model"].update(motor_inertias=[1.0])), 502, "write motor_inertia"),
         (lambda f: _edit(f, lambda one: one.update(rate=500.0)), 513, "a rate of 500 needs 0.002"),
         (lambda f: _edit(f, lambda one: one.update(rate=-1)), 502, "allowed is a positive number"),
         (lambda f: _edit(f, lambda one: one["model"].pop("joint_stiffness")), 502, "is missing"),

@@ -49,6 +49,13 @@ def test_noise_that_is_not_stated_is_known_as_assumed(folder):
         assert read_pose_set(folder).assumed == assumed
 
 
+def test_what_a_lab_notes_beside_is_left_alone(folder):
+    described = yaml.safe_load((folder / "set.yaml").read_text())
+    notes = {"note": "foggy", "operator": "K.", "links": 7}
+    (folder / "set.yaml").write_text(yaml.safe_dump(described | notes))
+    assert read_pose_set(folder).same_as == ""
+
+
 def test_a_series_of_fewer_rows_than_blocks_is_checked_but_not_diagnosed(folder, tmp_path, capsys):
     lines = (folder / "poses.csv").read_text().splitlines(keepends=True)
     few = tmp_path / "few"
@@ -96,6 +103,13 @@ def test_a_bad_cell_is_named(folder, tmp_path, capsys, line, column, value, prob
         ("set.yaml", "position: 1.5e-05", "position: -1", "noise.position"),
         ("set.yaml", "placement: fitted", "placement: known", "placement"),
         ("set.yaml", "mass: 13.0", "mass: heavy", "model.links"),
+        (
+            "set.yaml",
+            "placement: fitted",
+            "plaecment: same as one",
+            "plaecment is read by nothing; write placement",
+        ),
+        ("set.yaml", "position: 1.5e-05", "positions: 1.5e-05", "noise.positions is read by nothing"),
         ("set.yaml", "- 0.13", "- high", "model.dh"),
     ],
 )
