@@ -243,7 +243,7 @@ def test_the_bridge_waits_for_the_next_door_as_long_as_told(
     )
     for seconds in (7.0, 9.0):
         change(node, **{f"limit__{stage}": seconds})
-        node._action._execute(goal)
+        node._action._runs._execute(goal)
     assert [getattr(limit, stage) for limit in limits] == [7.0, 9.0]
 
 
@@ -253,10 +253,10 @@ def test_two_robots_are_waited_for_as_long_as_told(
     up: Callable[..., Any], monkeypatch: pytest.MonkeyPatch, stage: str
 ) -> None:
     node, limits = up(DoorShares), limits_of_runs(monkeypatch, door_shares, "SharedCourse")
-    run = node._desk.begin("thesis_190_0deg")
+    run = node._runs.desk.begin("thesis_190_0deg")
     for seconds in (7.0, 9.0):
         change(node, **{f"limit__{stage}": seconds})
-        node._mill(run, None)
+        node._mill(run, lambda stage, progress: None)
     assert [getattr(limit, stage) for limit in limits] == [7.0, 9.0]
 
 

@@ -148,7 +148,7 @@ def test_a_change_that_would_do_nothing_is_refused_once_the_node_is_configured(
     assert node.value("limit.milling") == 600.0
     assert change("limit.milling", 600.0).successful  # nothing changes
     assert change("limit.recipe", 7.0).successful
-    assert node._action._limits().recipe == 7.0
+    assert node._action._runs.limits().recipe == 7.0
     node.trigger_cleanup()
     assert change("limit.milling", 20.0).successful
     node.destroy_node()

@@ -242,11 +242,17 @@ class ReportingNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
             self.report(level, message, **values)
             self._failures = left
 
+    @property
+    def heard(self) -> bool:
+        """Whether what it tells reaches somebody."""
+        return bool(self.context.ok())
+
     def as_refusal(self, error: Exception) -> DoormillError:
         """What is said under a run of whatever went wrong; what nobody thought of is logged in full."""
         if isinstance(error, DoormillError):
             return error
-        self.get_logger().error("".join(traceback.format_exception(error)))
+        if self.heard:  # else it is the way out that it met
+            self.get_logger().error("".join(traceback.format_exception(error)))
         return DoormillError(
             f"{unexpected(error)}; see the log of {self.get_name()} and start the door again"
         )
