@@ -24,7 +24,7 @@ from doormill_ros.nodes.gige_camera import GigeCamera
 from doormill_ros.nodes.milling.door_inspections import GAUGE_PARAMETER
 from doormill_ros.nodes.one_process.cell import GLOBAL, Cell, CellOptions
 from doormill_ros.nodes.process.composition import Composition
-from doormill_ros.operator.token import new_token
+from doormill_ros.operator.access.token import new_token
 from doormill_ros.resources import share_directory
 from doormill_ros.simulation.sensors.registry import SIMULATED_SENSORS
 

@@ -42,19 +42,19 @@ from doormill_ros.nodes.convert.planned_times import planned_times_of
 from doormill_ros.nodes.convert.runs_verdict import view_of_runs
 from doormill_ros.nodes.convert.verdict import view_of_model
 from doormill_ros.nodes.process.run import run_nodes
-from doormill_ros.operator.audit import AuditLog
-from doormill_ros.operator.captioned_picture import CAPTIONS
-from doormill_ros.operator.door_view import door_view, worst_by_feature
-from doormill_ros.operator.ended_run import EndedRun
-from doormill_ros.operator.page_names import is_address, page_names
-from doormill_ros.operator.page_server import PageServer
-from doormill_ros.operator.run_book import RunBook
-from doormill_ros.operator.server import create_app
-from doormill_ros.operator.shown_door import ShownDoors
-from doormill_ros.operator.state import CellView
-from doormill_ros.operator.token import Keys
-from doormill_ros.operator.token_file import load_keys
-from doormill_ros.operator.view_store import ViewStore
+from doormill_ros.operator.access.token import Keys
+from doormill_ros.operator.access.token_file import load_keys
+from doormill_ros.operator.history.run_book import RunBook
+from doormill_ros.operator.orders.audit import AuditLog
+from doormill_ros.operator.serving.page_names import is_address, page_names
+from doormill_ros.operator.serving.page_server import PageServer
+from doormill_ros.operator.serving.server import create_app
+from doormill_ros.operator.views.captioned_picture import CAPTIONS
+from doormill_ros.operator.views.door_view import door_view, worst_by_feature
+from doormill_ros.operator.views.ended_run import EndedRun
+from doormill_ros.operator.views.shown_door import ShownDoors
+from doormill_ros.operator.views.state import CellView
+from doormill_ros.operator.views.view_store import ViewStore
 from doormill_ros.pages.picture import MEDIA_TYPE, encode_picture
 from doormill_ros.recipes.errors import RecipeError
 from doormill_ros.resources import AUDIT, site_folder

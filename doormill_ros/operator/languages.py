@@ -8,7 +8,7 @@ from importlib.resources import files
 from typing import Any, Literal, get_args
 
 from doormill_ros.errors import DoormillError
-from doormill_ros.operator.ended_run import EndedRun
+from doormill_ros.operator.views.ended_run import EndedRun
 
 #: Of the page's texts; what the cell's nodes say in their own words is English.
 Language = Literal["en", "de", "nb"]
@@ -39,5 +39,5 @@ def _headlines(language: Language) -> dict[int, str]:
 
 
 def _document(name: str) -> Any:
-    content = (files("doormill_ros.operator") / f"texts/{name}.json").read_text(encoding="utf-8")
+    content = (files("doormill_ros.operator") / f"browser/texts/{name}.json").read_text(encoding="utf-8")
     return json.loads(content)

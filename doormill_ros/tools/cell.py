@@ -20,7 +20,7 @@ from doormill_ros.tools.cell_options import parse
 
 if TYPE_CHECKING:
     from doormill_ros.cell.summary import RunSummary
-    from doormill_ros.operator.token import Keys
+    from doormill_ros.operator.access.token import Keys
 
 OUT_OF_TOLERANCE_STATUS = 3
 VERDICT_LIMIT = 3600.0  # s after the last door
@@ -138,7 +138,7 @@ def _page(options: argparse.Namespace, folder: Path) -> dict[str, object]:
 
 def _keys(options: argparse.Namespace) -> Keys:
     """New tokens for those who were asked for, printed."""
-    from doormill_ros.operator.token import Keys, new_token
+    from doormill_ros.operator.access.token import Keys, new_token
 
     operate = new_token() if options.control else None
     engineer = new_token() if options.engineer else None

@@ -22,7 +22,7 @@ from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.base.managed_node import ManagedNode
 from doormill_ros.nodes.model_monitor import ModelMonitor
 from doormill_ros.nodes.operator_page import OperatorPage
-from doormill_ros.operator.history import load_history
+from doormill_ros.operator.history.history import load_history
 from doormill_ros.report.run_record import read_run
 from support.source_tree import ROOT
 

@@ -21,9 +21,9 @@ from doormill_interfaces.msg import (
     RunResult,
 )
 from doormill_ros.nodes.operator_page import OperatorPage
-from doormill_ros.operator.fault import Fault
-from doormill_ros.operator.history import FILE, kept_run, load_history
-from doormill_ros.operator.state import HISTORY
+from doormill_ros.operator.history.history import FILE, kept_run, load_history
+from doormill_ros.operator.views.fault import Fault
+from doormill_ros.operator.views.state import HISTORY
 
 BEYOND = "milled, out of tolerance"
 

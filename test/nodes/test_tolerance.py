@@ -16,7 +16,7 @@ from typing import Any
 import httpx
 import pytest
 
-from doormill_ros.operator.history import load_history
+from doormill_ros.operator.history.history import load_history
 from doormill_ros.recording.bag_reader import read_bag
 from support.cell_processes import executable
 from support.waiting import LIMIT

@@ -13,11 +13,11 @@ from playwright.sync_api import Page, expect
 
 from doormill_ros.cell.errors import CellBusyError, NodeInactiveError
 from doormill_ros.models.errors import UnknownVersionError
-from doormill_ros.operator.audit import AuditLog
-from doormill_ros.operator.page_server import PageServer
-from doormill_ros.operator.server import create_app
-from doormill_ros.operator.token import Keys, new_token
-from doormill_ros.operator.view_store import ViewStore
+from doormill_ros.operator.access.token import Keys, new_token
+from doormill_ros.operator.orders.audit import AuditLog
+from doormill_ros.operator.serving.page_server import PageServer
+from doormill_ros.operator.serving.server import create_app
+from doormill_ros.operator.views.view_store import ViewStore
 from support.browser import TABLET, open_page
 from support.waiting import LIMIT
 

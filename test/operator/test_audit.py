@@ -10,12 +10,12 @@ from typing import Any
 import httpx
 import pytest
 
-from doormill_ros.operator.audit import LONGEST_TEXT, ORDERS, REFUSED, AuditEntry, AuditLog
+from doormill_ros.operator.access.token import Holder, Keys, Role, new_token
 from doormill_ros.operator.errors import AuditError
-from doormill_ros.operator.page_server import PageServer
-from doormill_ros.operator.server import create_app
-from doormill_ros.operator.token import Holder, Keys, Role, new_token
-from doormill_ros.operator.view_store import ViewStore
+from doormill_ros.operator.orders.audit import LONGEST_TEXT, ORDERS, REFUSED, AuditEntry, AuditLog
+from doormill_ros.operator.serving.page_server import PageServer
+from doormill_ros.operator.serving.server import create_app
+from doormill_ros.operator.views.view_store import ViewStore
 from support.waiting import LIMIT
 
 NASTY = "<img src=x>\n\x1b[31m{}\u202e"

@@ -10,12 +10,12 @@ from typing import Any
 import pytest
 from fastapi.routing import APIRoute
 
-from doormill_ros.operator.orders import ROLES, ModelOrderRequest
-from doormill_ros.operator.server import create_app
-from doormill_ros.operator.short_body import LARGEST_BODY
-from doormill_ros.operator.token import Keys, Role, new_token
-from doormill_ros.operator.tries import FREE
-from doormill_ros.operator.view_store import ViewStore
+from doormill_ros.operator.access.short_body import LARGEST_BODY
+from doormill_ros.operator.access.token import Keys, Role, new_token
+from doormill_ros.operator.access.tries import FREE
+from doormill_ros.operator.orders.orders import ROLES, ModelOrderRequest
+from doormill_ros.operator.serving.server import create_app
+from doormill_ros.operator.views.view_store import ViewStore
 
 KEYS = Keys(new_token(), new_token())
 BROKEN = b'{"door_id": '

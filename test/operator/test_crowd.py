@@ -11,11 +11,11 @@ from typing import Any
 import httpx
 import pytest
 
-from doormill_ros.operator import event_streams
-from doormill_ros.operator.orders import DOORS_AT_ONCE
-from doormill_ros.operator.page_server import PageServer
-from doormill_ros.operator.server import create_app
-from doormill_ros.operator.view_store import ViewStore
+from doormill_ros.operator.orders.orders import DOORS_AT_ONCE
+from doormill_ros.operator.serving import event_streams
+from doormill_ros.operator.serving.page_server import PageServer
+from doormill_ros.operator.serving.server import create_app
+from doormill_ros.operator.views.view_store import ViewStore
 from support.waiting import LIMIT
 
 MANY = 60  # more than threads that a web server shares

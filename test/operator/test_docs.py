@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import fields
 from pathlib import Path
 
-from doormill_ros.operator import audit, short_body, tries
-from doormill_ros.operator.token import Role
+from doormill_ros.operator.access import short_body, tries
+from doormill_ros.operator.access.token import Role
+from doormill_ros.operator.orders import audit
 
 TEXT = (Path(__file__).parents[2] / "docs" / "operators-page.md").read_text()
 NUMBERS = {1: "one", 5: "five", 9: "nine"}

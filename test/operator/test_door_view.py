@@ -13,11 +13,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from playwright.sync_api import Page, expect
 
-from doormill_ros.operator.door_view import door_view, planned_times
-from doormill_ros.operator.ended_run import EndedRun
 from doormill_ros.operator.languages import LANGUAGES
-from doormill_ros.operator.state import CellView
-from doormill_ros.operator.view_store import ViewStore
+from doormill_ros.operator.views.door_view import door_view, planned_times
+from doormill_ros.operator.views.ended_run import EndedRun
+from doormill_ros.operator.views.state import CellView
+from doormill_ros.operator.views.view_store import ViewStore
 from doormill_ros.recipes.documents import load_recipe, shipped_recipes
 
 CAME_TO = {
@@ -81,7 +81,9 @@ def test_what_came_of_the_features_follows_the_run() -> None:
 
 @pytest.mark.parametrize("code", LANGUAGES)
 def test_every_state_and_face_has_its_words(code: str) -> None:
-    texts = json.loads((files("doormill_ros.operator") / f"texts/{code}.json").read_text(encoding="utf-8"))
+    texts = json.loads(
+        (files("doormill_ros.operator") / f"browser/texts/{code}.json").read_text(encoding="utf-8")
+    )
     assert {key for key in texts if key.startswith("came.")} == {f"came.{state}" for state in CAME_TO}
     assert {key for key in texts if key.startswith("face.")} == {f"face.{face}" for face in FACES}
 

@@ -18,11 +18,11 @@ from doormill_ros.cell.node_names import DOOR_SHARES
 from doormill_ros.cell.readiness import BESIDE, CONTROLLER, NEEDED
 from doormill_ros.errors import catalogue
 from doormill_ros.localization.sensors.registry import SENSORS
-from doormill_ros.operator.captioned_picture import CAPTIONS
-from doormill_ros.operator.ended_run import EndedRun
 from doormill_ros.operator.languages import LANGUAGES, headline_in
-from doormill_ros.operator.situation import MAY_MOVE, situation
-from doormill_ros.operator.state import CellView
+from doormill_ros.operator.views.captioned_picture import CAPTIONS
+from doormill_ros.operator.views.ended_run import EndedRun
+from doormill_ros.operator.views.situation import MAY_MOVE, situation
+from doormill_ros.operator.views.state import CellView
 from doormill_ros.pages.picture import MEDIA_TYPE, encode_picture
 from support.browser import open_page
 from support.waiting import LIMIT

@@ -21,9 +21,9 @@ from doormill_ros.cell.summary import RunSummary
 from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.operator_page import OperatorPage
 from doormill_ros.nodes.process.spinning import SteadyExecutor
-from doormill_ros.operator.ended_run import EndedRun
-from doormill_ros.operator.history import FILE, append_history, load_history
-from doormill_ros.operator.state import HISTORY
+from doormill_ros.operator.history.history import FILE, append_history, load_history
+from doormill_ros.operator.views.ended_run import EndedRun
+from doormill_ros.operator.views.state import HISTORY
 from support.waiting import LIMIT
 
 

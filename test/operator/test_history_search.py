@@ -16,13 +16,13 @@ from hypothesis import strategies as st
 from playwright.sync_api import expect
 
 from doormill_ros.cell.errors import OutOfToleranceError
-from doormill_ros.operator.ended_run import EndedRun
-from doormill_ros.operator.history import FILE, append_history, kept_runs
-from doormill_ros.operator.history_csv import history_csv
-from doormill_ros.operator.page_server import PageServer
-from doormill_ros.operator.server import HEADERS, create_app
-from doormill_ros.operator.state import HISTORY
-from doormill_ros.operator.view_store import ViewStore
+from doormill_ros.operator.history.history import FILE, append_history, kept_runs
+from doormill_ros.operator.history.history_csv import history_csv
+from doormill_ros.operator.serving.page_server import PageServer
+from doormill_ros.operator.serving.server import HEADERS, create_app
+from doormill_ros.operator.views.ended_run import EndedRun
+from doormill_ros.operator.views.state import HISTORY
+from doormill_ros.operator.views.view_store import ViewStore
 from support.browser import open_page
 from support.waiting import LIMIT
 

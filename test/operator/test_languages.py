@@ -38,18 +38,18 @@ from doormill_ros.diagnosis.runs.channels import (
 )
 from doormill_ros.monitor.finding import ALWAYS, DoorFinding, finding_of
 from doormill_ros.monitor.stop import stop_sentence
-from doormill_ros.operator.advice import Advice, next_step
-from doormill_ros.operator.ended_run import EndedRun
 from doormill_ros.operator.languages import LANGUAGES
-from doormill_ros.operator.model_view import ModelView, TrendDoor
-from doormill_ros.operator.pair_advice import pair_step
-from doormill_ros.operator.robot_view import DOES
+from doormill_ros.operator.views.advice import Advice, next_step
+from doormill_ros.operator.views.ended_run import EndedRun
+from doormill_ros.operator.views.model_view import ModelView, TrendDoor
+from doormill_ros.operator.views.pair_advice import pair_step
+from doormill_ros.operator.views.robot_view import DOES
 from doormill_ros.recipes.features.registry import FEATURES
 from doormill_ros.robot_model.elastic.causes.registry import CUTTING, LIBRARY
 from support.browser import open_page
 from support.door_checks import CHECKS
 
-FOLDER = Path(str(files("doormill_ros.operator")))
+FOLDER = Path(str(files("doormill_ros.operator"))) / "browser"
 TEXTS: dict[str, dict[str, str]] = {
     code: json.loads((FOLDER / "texts" / f"{code}.json").read_text()) for code in LANGUAGES
 }

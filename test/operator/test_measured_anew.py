@@ -11,11 +11,11 @@ from doormill_interfaces.msg import DoorInspection, FeatureDeviation, MilledDoor
 from doormill_ros.cell.errors import OutOfToleranceError
 from doormill_ros.cell.inspection import MeasuredDoor
 from doormill_ros.nodes.operator_page import OperatorPage
-from doormill_ros.operator.door_view import door_view
-from doormill_ros.operator.ended_run import EndedRun
-from doormill_ros.operator.history import load_history
-from doormill_ros.operator.run_book import RunBook
-from doormill_ros.operator.view_store import ViewStore
+from doormill_ros.operator.history.history import load_history
+from doormill_ros.operator.history.run_book import RunBook
+from doormill_ros.operator.views.door_view import door_view
+from doormill_ros.operator.views.ended_run import EndedRun
+from doormill_ros.operator.views.view_store import ViewStore
 from doormill_ros.recipes.documents import load_recipe
 
 GOOD, BAD = MeasuredDoor("hinge_1", 1e-4, 5e-4), MeasuredDoor("hinge_1", 9e-4, 5e-4)

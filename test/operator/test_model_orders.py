@@ -8,11 +8,11 @@ from typing import Any
 import pytest
 from playwright.sync_api import expect
 
-from doormill_ros.operator.audit import ORDERS
-from doormill_ros.operator.model_view import ModelView, TrendDoor
-from doormill_ros.operator.short_text import LONGEST_TEXT
-from doormill_ros.operator.state import CellView
-from doormill_ros.operator.token import Keys
+from doormill_ros.operator.access.token import Keys
+from doormill_ros.operator.orders.audit import ORDERS
+from doormill_ros.operator.views.model_view import ModelView, TrendDoor
+from doormill_ros.operator.views.short_text import LONGEST_TEXT
+from doormill_ros.operator.views.state import CellView
 from support.browser import open_page
 
 ORDER = {"version": 3, "who": "Kari", "why": "15 doors say so"}

@@ -8,7 +8,7 @@ from typing import Any
 import httpx
 import pytest
 
-from doormill_ros.operator.audit import ORDERS
+from doormill_ros.operator.orders.audit import ORDERS
 
 UNPRINTABLE = ["oak\0x", "\0", "\ud800", "oak\n", "oak\x1b[31m", "oak\x7f", "oak\u202e", "oak\u2028"]
 ORDER = {"version": 3, "who": "Kari", "why": "seen on 15 doors"}

@@ -7,7 +7,7 @@ from typing import Any
 import httpx
 import pytest
 
-from doormill_ros.operator.origin import is_own
+from doormill_ros.operator.access.origin import is_own
 
 FOREIGN = [
     "null",

@@ -11,10 +11,10 @@ from contextlib import ExitStack
 import httpx
 import pytest
 
-from doormill_ros.operator import prompt_protocol
-from doormill_ros.operator.page_server import PageServer
-from doormill_ros.operator.server import create_app
-from doormill_ros.operator.view_store import ViewStore
+from doormill_ros.operator.serving import prompt_protocol
+from doormill_ros.operator.serving.page_server import PageServer
+from doormill_ros.operator.serving.server import create_app
+from doormill_ros.operator.views.view_store import ViewStore
 from support.waiting import LIMIT
 
 HEAD = b"POST /order HTTP/1.1\r\nHost: localhost\r\n"

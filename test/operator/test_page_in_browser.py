@@ -10,9 +10,9 @@ from playwright.sync_api import Page, expect
 
 from doormill_ros.diagnosis.parts.next_step import NextStep
 from doormill_ros.monitor.finding import NamedFault
-from doormill_ros.operator.door_view import DoorView, FeatureView
-from doormill_ros.operator.ended_run import EndedRun
-from doormill_ros.operator.model_view import ModelView, TrendDoor
+from doormill_ros.operator.views.door_view import DoorView, FeatureView
+from doormill_ros.operator.views.ended_run import EndedRun
+from doormill_ros.operator.views.model_view import ModelView, TrendDoor
 from doormill_ros.pages.picture import MEDIA_TYPE, encode_picture
 from support.browser import TABLET, open_page
 

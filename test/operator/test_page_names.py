@@ -8,12 +8,12 @@ from collections.abc import Iterator
 import httpx
 import pytest
 
+from doormill_ros.operator.access.origin import is_named
 from doormill_ros.operator.errors import PageAddressError
-from doormill_ros.operator.origin import is_named
-from doormill_ros.operator.page_names import page_names
-from doormill_ros.operator.page_server import PageServer
-from doormill_ros.operator.server import create_app
-from doormill_ros.operator.view_store import ViewStore
+from doormill_ros.operator.serving.page_names import page_names
+from doormill_ros.operator.serving.page_server import PageServer
+from doormill_ros.operator.serving.server import create_app
+from doormill_ros.operator.views.view_store import ViewStore
 from support.waiting import LIMIT
 
 NAME = "cell1.factory.example"

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from doormill_ros.operator.token import Holder, Keys, Role, new_token
+from doormill_ros.operator.access.token import Holder, Keys, Role, new_token
 
 ORDERS = [("POST", "control/mill"), ("POST", "control/cancel"), ("GET", "control"), ("GET", "control/audit")]
 

@@ -10,8 +10,8 @@ from playwright.sync_api import Page, expect
 
 from doormill_ros.monitor.cell_change import CellChange, ChangeSize
 from doormill_ros.monitor.runs_finding import RunsFinding, few_runs, runs_finding
-from doormill_ros.operator.runs_view import RunsView
-from doormill_ros.operator.short_text import LONGEST_TEXT
+from doormill_ros.operator.views.runs_view import RunsView
+from doormill_ros.operator.views.short_text import LONGEST_TEXT
 from support.browser import open_page
 
 PHONE = {"viewport": {"width": 360, "height": 640}, "has_touch": True}

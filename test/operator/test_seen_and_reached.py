@@ -8,9 +8,9 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page, expect
 
-from doormill_ros.operator.door_view import door_view
-from doormill_ros.operator.ended_run import EndedRun
-from doormill_ros.operator.model_view import ModelView, TrendDoor
+from doormill_ros.operator.views.door_view import door_view
+from doormill_ros.operator.views.ended_run import EndedRun
+from doormill_ros.operator.views.model_view import ModelView, TrendDoor
 from doormill_ros.recipes.documents import load_recipe
 from support.browser import open_page
 

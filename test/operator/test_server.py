@@ -13,16 +13,16 @@ import httpx
 import numpy as np
 import pytest
 
+from doormill_ros.operator.access.token import authorizes, new_token
 from doormill_ros.operator.errors import PageAddressError
-from doormill_ros.operator.page_server import PageServer
-from doormill_ros.operator.server import create_app
-from doormill_ros.operator.token import authorizes, new_token
-from doormill_ros.operator.view_store import ViewStore
+from doormill_ros.operator.serving.page_server import PageServer
+from doormill_ros.operator.serving.server import create_app
+from doormill_ros.operator.views.view_store import ViewStore
 from doormill_ros.pages.picture import LONGEST_SIDE, encode_picture
 from support.source_tree import PACKAGE
 from support.waiting import LIMIT
 
-PAGE = PACKAGE / "operator"
+PAGE = PACKAGE / "operator" / "browser"
 get, post = partial(httpx.get, timeout=LIMIT), partial(httpx.post, timeout=LIMIT)
 ORDERS = [("/control/mill", {"door_id": "oak"}), ("/control/cancel", {})]
 

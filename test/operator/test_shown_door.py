@@ -13,8 +13,8 @@ from std_msgs.msg import Header
 from doormill_interfaces.msg import DoorLocalization
 from doormill_ros.nodes.convert.picture import picture_message
 from doormill_ros.nodes.operator_page import OperatorPage
-from doormill_ros.operator.shown_door import KEPT, ShownDoors
-from doormill_ros.operator.view_store import ViewStore
+from doormill_ros.operator.views.shown_door import KEPT, ShownDoors
+from doormill_ros.operator.views.view_store import ViewStore
 
 
 @pytest.mark.parametrize("told_first", [True, False])

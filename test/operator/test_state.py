@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 
 from doormill_ros.abb.handshake.state import HandshakeState
 from doormill_ros.cell.errors import OutOfToleranceError
-from doormill_ros.operator.advice import next_step
-from doormill_ros.operator.ended_run import EndedRun
-from doormill_ros.operator.short_text import LONGEST_TEXT
-from doormill_ros.operator.state import HISTORY, CellView
-from doormill_ros.operator.view_store import ViewStore
+from doormill_ros.operator.views.advice import next_step
+from doormill_ros.operator.views.ended_run import EndedRun
+from doormill_ros.operator.views.short_text import LONGEST_TEXT
+from doormill_ros.operator.views.state import HISTORY, CellView
+from doormill_ros.operator.views.view_store import ViewStore
 
 STATES = [state.value for state in HandshakeState]
 
@@ -227,8 +227,8 @@ def test_a_waiting_door_shows_how_long_it_waits_not_how_long_ago_another_was_don
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     now = 1.8e9
-    monkeypatch.setattr("doormill_ros.operator.moments.time.time", lambda: now)
-    monkeypatch.setattr("doormill_ros.operator.moments.time.monotonic", lambda: 100.0)
+    monkeypatch.setattr("doormill_ros.operator.views.moments.time.time", lambda: now)
+    monkeypatch.setattr("doormill_ros.operator.views.moments.time.monotonic", lambda: 100.0)
     view = CellView().with_run("r1", "oak", now - 900.0)
     view = view.with_handshake("done", DONE, "r1", "oak", since=now - 600.0)
     assert view.document()["state_age"] == 600.0
@@ -245,8 +245,8 @@ def test_the_age_of_a_state_goes_on_when_the_wall_clock_is_set(
     step: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     wall, steady = [1.8e9], [100.0]
-    monkeypatch.setattr("doormill_ros.operator.moments.time.time", lambda: wall[0])
-    monkeypatch.setattr("doormill_ros.operator.moments.time.monotonic", lambda: steady[0])
+    monkeypatch.setattr("doormill_ros.operator.views.moments.time.time", lambda: wall[0])
+    monkeypatch.setattr("doormill_ros.operator.views.moments.time.monotonic", lambda: steady[0])
     view = CellView().with_handshake("idle", "", since=wall[0] - 600.0)
     wall[0] += step + 5.0
     steady[0] += 5.0

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from doormill_ros.operator.access.token import Holder, Role
+from doormill_ros.operator.access.token_file import load_keys
 from doormill_ros.operator.errors import TokenFileError
-from doormill_ros.operator.token import Holder, Role
-from doormill_ros.operator.token_file import load_keys
 
 OPERATE, ENGINEER = "o" * 20, "e" * 20
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from doormill_ros.operator.tries import CLIENTS, FORGOTTEN, FREE, LONGEST_WAIT, Tries
+from doormill_ros.operator.access.tries import CLIENTS, FORGOTTEN, FREE, LONGEST_WAIT, Tries
 
 
 def test_a_guesser_is_locked_out_and_the_right_token_does_not_open_before_its_time(guarded: Any) -> None:

@@ -16,18 +16,20 @@ from playwright.sync_api import Page, expect
 
 from doormill_ros.abb.handshake.state import HandshakeState
 from doormill_ros.cell.errors import OutOfToleranceError
-from doormill_ros.operator.door_view import door_view, robots_of
-from doormill_ros.operator.ended_run import EndedRun
 from doormill_ros.operator.languages import LANGUAGES
-from doormill_ros.operator.robot_view import DOES, RobotView
-from doormill_ros.operator.situation import MOVING
-from doormill_ros.operator.state import CellView
+from doormill_ros.operator.views.door_view import door_view, robots_of
+from doormill_ros.operator.views.ended_run import EndedRun
+from doormill_ros.operator.views.robot_view import DOES, RobotView
+from doormill_ros.operator.views.situation import MOVING
+from doormill_ros.operator.views.state import CellView
 from doormill_ros.recipes.documents import load_recipe, shipped_recipes
 from doormill_ros.toolpath.settings import load_settings
 from support.browser import TABLET, open_page
 
 TEXTS = {
-    code: json.loads((files("doormill_ros.operator") / f"texts/{code}.json").read_text(encoding="utf-8"))
+    code: json.loads(
+        (files("doormill_ros.operator") / f"browser/texts/{code}.json").read_text(encoding="utf-8")
+    )
     for code in LANGUAGES
 }
 STATES = [state.value for state in HandshakeState]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from doormill_ros.models.store import ModelStore
-from doormill_ros.operator.audit import AuditEntry, AuditLog
+from doormill_ros.operator.orders.audit import AuditEntry, AuditLog
 
 
 def fill(folder: Path, word: str = "first") -> None:

@@ -13,7 +13,7 @@ from doormill_ros.cell.node_names import ABB_BRIDGE, DOOR_SHARES
 from doormill_ros.nodes.base.managed_node import ManagedNode
 from doormill_ros.nodes.clients.futures import result_of
 from doormill_ros.nodes.clients.goal_client import GoalClient
-from doormill_ros.operator.view_store import ViewStore
+from doormill_ros.operator.views.view_store import ViewStore
 
 ACTION = "mill_door"
 OFFERED_DOORS = 20

@@ -8,7 +8,7 @@ import numpy as np
 
 from doormill_interfaces.msg import Motion, TargetArray
 from doormill_ros.messages.from_message import positions_of
-from doormill_ros.operator.door_view import planned_times
+from doormill_ros.operator.views.door_view import planned_times
 
 _TO_TARGETS = (Motion.MOVE_J, Motion.MOVE_L, Motion.MOVE_C)
 

@@ -11,7 +11,7 @@ from doormill_interfaces.msg import ChangeSize as ChangeSizeMessage
 from doormill_interfaces.msg import RunsVerdict
 from doormill_ros.monitor.cell_change import CellChange, ChangeSize
 from doormill_ros.monitor.runs_watch import RunsState
-from doormill_ros.operator.runs_view import RunsView
+from doormill_ros.operator.views.runs_view import RunsView
 
 
 def verdict_of_runs(state: RunsState, header: Header) -> RunsVerdict:

@@ -10,7 +10,7 @@ from doormill_interfaces.msg import DoorError, MeasureNext, ModelCause, ModelVer
 from doormill_ros.diagnosis.parts.next_step import NextStep
 from doormill_ros.monitor.finding import NamedFault
 from doormill_ros.monitor.watch_state import WatchState
-from doormill_ros.operator.model_view import ModelView, TrendDoor
+from doormill_ros.operator.views.model_view import ModelView, TrendDoor
 
 
 def verdict_of_model(state: WatchState, header: Header) -> ModelVerdict:

@@ -54,7 +54,7 @@ from doormill_ros.nodes.simulated.camera_simulator import CameraSimulator
 from doormill_ros.nodes.simulated.controller_simulator import ControllerSimulator
 from doormill_ros.nodes.simulated.sensor_simulator import SensorSimulator
 from doormill_ros.nodes.simulated.shared_door_judge import SharedDoorJudge
-from doormill_ros.operator.token import Keys
+from doormill_ros.operator.access.token import Keys
 from doormill_ros.simulation.robot_cell import RobotCell
 
 #: Longest wait for each stage [s]: its devices are played by the processor that also has to answer them.

@@ -14,7 +14,7 @@ from typing import Any
 
 from doormill_ros.abb import signals
 from doormill_ros.errors import DoormillError
-from doormill_ros.operator.history import FILE
+from doormill_ros.operator.history.history import FILE
 from support.afternoon.cell import DOORS, AfternoonCell, running
 from support.afternoon.faults import Fault
 from support.deaths.campaign import RESULT_LIMIT

@@ -22,7 +22,7 @@ from doormill_ros.localization.camera import load_camera
 from doormill_ros.measurements.picture_set import read_picture_set
 from doormill_ros.measurements.raw_set import read_raw_set
 from doormill_ros.models.store import RECORD, ModelStore
-from doormill_ros.operator.token_file import load_keys
+from doormill_ros.operator.access.token_file import load_keys
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.recipes.exchange.files import read_file, write_file
 from doormill_ros.recipes.exchange.tool_file import read_tool_file

@@ -8,10 +8,10 @@ from datetime import UTC, datetime
 
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from doormill_ros.operator.audit import AuditEntry, AuditLog
+from doormill_ros.operator.access.order_paths import is_order
+from doormill_ros.operator.access.token import Holder, Role
 from doormill_ros.operator.errors import AuditError
-from doormill_ros.operator.order_paths import is_order
-from doormill_ros.operator.token import Holder, Role
+from doormill_ros.operator.orders.audit import AuditEntry, AuditLog
 
 
 class Audited:

@@ -10,7 +10,7 @@ from fastapi import HTTPException
 from fastapi.responses import StreamingResponse
 from starlette.types import Receive, Scope, Send
 
-from doormill_ros.operator.view_store import ViewStore
+from doormill_ros.operator.views.view_store import ViewStore
 
 KEEP_ALIVE = 5.0  # s, the longest silence on a stream
 MOST_STREAMS = 100

@@ -8,19 +8,19 @@ from typing import Any
 
 from doormill_ros.cell.errors import OutOfToleranceError
 from doormill_ros.cell.inspection import MeasuredDoor
-from doormill_ros.operator.advice import Advice, next_step
-from doormill_ros.operator.captioned_picture import EncodedPicture
-from doormill_ros.operator.door_view import DoorView
-from doormill_ros.operator.ended_run import EndedRun
-from doormill_ros.operator.fault import Fault
-from doormill_ros.operator.model_view import ModelView
-from doormill_ros.operator.moments import age, steady
-from doormill_ros.operator.pair_advice import pair_step
-from doormill_ros.operator.pair_view import PairView
-from doormill_ros.operator.robot_view import RobotView
-from doormill_ros.operator.runs_view import RunsView
-from doormill_ros.operator.short_text import short
-from doormill_ros.operator.situation import MAY_MOVE, Situation, may_move_in, situation, told_in_run
+from doormill_ros.operator.views.advice import Advice, next_step
+from doormill_ros.operator.views.captioned_picture import EncodedPicture
+from doormill_ros.operator.views.door_view import DoorView
+from doormill_ros.operator.views.ended_run import EndedRun
+from doormill_ros.operator.views.fault import Fault
+from doormill_ros.operator.views.model_view import ModelView
+from doormill_ros.operator.views.moments import age, steady
+from doormill_ros.operator.views.pair_advice import pair_step
+from doormill_ros.operator.views.pair_view import PairView
+from doormill_ros.operator.views.robot_view import RobotView
+from doormill_ros.operator.views.runs_view import RunsView
+from doormill_ros.operator.views.short_text import short
+from doormill_ros.operator.views.situation import MAY_MOVE, Situation, may_move_in, situation, told_in_run
 
 HISTORY = 50  # runs
 

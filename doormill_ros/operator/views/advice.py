@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from doormill_ros.operator.situation import MAY_MOVE
+from doormill_ros.operator.views.situation import MAY_MOVE
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from doormill_ros.operator.situation import MAY_MOVE, MOVING, may_move_in, told_in_run
+from doormill_ros.operator.views.situation import MAY_MOVE, MOVING, may_move_in, told_in_run
 
 HANDING = ("raising", "verifying", "writing")  #: its targets are on their way
 #: What a robot does, in English; the state of its handshake where nothing follows from the other robot or the door.

@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterable
 from datetime import UTC, datetime
 
-from doormill_ros.operator.ended_run import EndedRun
+from doormill_ros.operator.views.ended_run import EndedRun
 
 COLUMNS = ("run_id", "door_id", "ended", "outcome", "error_code", "message", "measured")
 # Also behind what divides cells where a spreadsheet's language divides them by semicolons, and the wide forms of the

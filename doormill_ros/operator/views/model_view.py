@@ -7,7 +7,7 @@ from typing import Any
 
 from doormill_ros.diagnosis.parts.next_step import NextStep
 from doormill_ros.monitor.finding import NamedFault
-from doormill_ros.operator.short_text import short
+from doormill_ros.operator.views.short_text import short
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from fastapi import FastAPI
 
 from doormill_ros.cell.waiting import wait
 from doormill_ros.operator.errors import PageAddressError
-from doormill_ros.operator.prompt_protocol import PromptProtocol
+from doormill_ros.operator.serving.prompt_protocol import PromptProtocol
 
 START_LIMIT = 20.0  # s
 BACKLOG = 64  # connections

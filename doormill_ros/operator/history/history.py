@@ -8,8 +8,8 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from doormill_ros.operator.ended_run import EndedRun
-from doormill_ros.operator.state import HISTORY
+from doormill_ros.operator.views.ended_run import EndedRun
+from doormill_ros.operator.views.state import HISTORY
 
 FILE = "history.jsonl"
 SUMMARIES = ("summary.json", "*/summary.json")

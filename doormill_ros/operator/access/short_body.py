@@ -6,7 +6,7 @@ from fastapi.responses import JSONResponse
 from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from doormill_ros.operator.order_paths import is_order
+from doormill_ros.operator.access.order_paths import is_order
 
 LARGEST_BODY = 10_000  # bytes; an order's longest texts with every letter escaped take less
 

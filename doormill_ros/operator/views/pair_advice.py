@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from doormill_ros.operator.advice import (
+from doormill_ros.operator.views.advice import (
     CLEARING,
     CLOSING,
     WAIT,
@@ -13,8 +13,8 @@ from doormill_ros.operator.advice import (
     stopped_step,
     unknown_step,
 )
-from doormill_ros.operator.robot_view import HANDING
-from doormill_ros.operator.situation import MAY_MOVE, MOVING
+from doormill_ros.operator.views.robot_view import HANDING
+from doormill_ros.operator.views.situation import MAY_MOVE, MOVING
 
 #: Sentences about one of the robots.
 _OF = {

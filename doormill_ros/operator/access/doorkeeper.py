@@ -9,9 +9,9 @@ from fastapi.responses import JSONResponse
 from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from doormill_ros.operator.order_paths import is_order
-from doormill_ros.operator.token import Keys, Role
-from doormill_ros.operator.tries import Tries
+from doormill_ros.operator.access.order_paths import is_order
+from doormill_ros.operator.access.token import Keys, Role
+from doormill_ros.operator.access.tries import Tries
 
 
 class Doorkeeper:

@@ -7,8 +7,8 @@ import re
 from pathlib import Path
 
 from doormill_ros.files import NotPrivateError, read_private
+from doormill_ros.operator.access.token import Holder, Keys, Role, new_token
 from doormill_ros.operator.errors import TokenFileError
-from doormill_ros.operator.token import Holder, Keys, Role, new_token
 from doormill_ros.yaml_text import parse
 
 _MOST = 10_000  # bytes

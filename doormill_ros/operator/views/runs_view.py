@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from doormill_ros.monitor.cell_change import CellChange
-from doormill_ros.operator.short_text import short
+from doormill_ros.operator.views.short_text import short
 
 
 @dataclass(frozen=True)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from doormill_ros.operator.ended_run import EndedRun
-from doormill_ros.operator.history import Kept
+from doormill_ros.operator.history.history import Kept
 from doormill_ros.operator.languages import Language, headline_in, outcome_in
+from doormill_ros.operator.views.ended_run import EndedRun
 
 
 @dataclass(frozen=True)

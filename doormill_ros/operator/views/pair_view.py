@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from doormill_ros.operator.robot_view import DOES, HANDING, RobotView
-from doormill_ros.operator.situation import MAY_MOVE, MOVING, Situation
+from doormill_ros.operator.views.robot_view import DOES, HANDING, RobotView
+from doormill_ros.operator.views.situation import MAY_MOVE, MOVING, Situation
 
 ROBOTS = (1, 2)
 #: Whose state stands for the cell's, the first that a robot is in: moving before all, then what is waited for.

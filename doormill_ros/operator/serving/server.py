@@ -14,22 +14,22 @@ from fastapi.responses import JSONResponse, StreamingResponse
 from starlette.datastructures import MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from doormill_ros.operator.audit import AuditLog
-from doormill_ros.operator.audited import Audited
-from doormill_ros.operator.doorkeeper import Doorkeeper
+from doormill_ros.operator.access.doorkeeper import Doorkeeper
+from doormill_ros.operator.access.origin import OwnOrigin
+from doormill_ros.operator.access.short_body import ShortBody
+from doormill_ros.operator.access.token import Keys
+from doormill_ros.operator.access.tries import Tries
 from doormill_ros.operator.errors import AuditError
-from doormill_ros.operator.event_streams import EventStreams
-from doormill_ros.operator.history_pages import serve_history
+from doormill_ros.operator.history.history_pages import serve_history
 from doormill_ros.operator.languages import LANGUAGES
-from doormill_ros.operator.order_texts import no_order
-from doormill_ros.operator.orders import ROLES, Control, serve_orders
-from doormill_ros.operator.origin import OwnOrigin
-from doormill_ros.operator.page_names import KnownHost
-from doormill_ros.operator.short_body import ShortBody
-from doormill_ros.operator.state import CellView
-from doormill_ros.operator.token import Keys
-from doormill_ros.operator.tries import Tries
-from doormill_ros.operator.view_store import ViewStore
+from doormill_ros.operator.orders.audit import AuditLog
+from doormill_ros.operator.orders.audited import Audited
+from doormill_ros.operator.orders.order_texts import no_order
+from doormill_ros.operator.orders.orders import ROLES, Control, serve_orders
+from doormill_ros.operator.serving.event_streams import EventStreams
+from doormill_ros.operator.serving.page_names import KnownHost
+from doormill_ros.operator.views.state import CellView
+from doormill_ros.operator.views.view_store import ViewStore
 
 HEADERS = {
     "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; "
@@ -53,7 +53,7 @@ _FILES = {
     "/runs.js": ("runs.js", "text/javascript"),
     "/runs_words.js": ("runs_words.js", "text/javascript"),
     **{
-        f"/texts/{name}.json": (f"texts/{name}.json", "application/json")
+        f"/texts/{name}.json": (f"browser/texts/{name}.json", "application/json")
         for code in LANGUAGES
         for name in (code, f"errors/{code}")
     },
@@ -138,7 +138,7 @@ async def _unforeseen(request: Request, error: Exception) -> Response:
 
 
 def _serve_file(app: FastAPI, path: str, name: str, media_type: str) -> None:
-    content = (files("doormill_ros.operator") / name).read_bytes()
+    content = (files("doormill_ros.operator") / "browser" / name).read_bytes()
 
     # HEAD too: what watches over pages asks so whether they are there.
     @app.api_route(path, methods=READ)

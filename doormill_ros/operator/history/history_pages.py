@@ -11,14 +11,14 @@ from typing import Annotated
 from fastapi import FastAPI, Query, Response
 from starlette.concurrency import run_in_threadpool
 
-from doormill_ros.operator.ended_run import EndedRun
-from doormill_ros.operator.history import kept_runs
-from doormill_ros.operator.history_csv import history_csv
-from doormill_ros.operator.history_search import Found, search_history
+from doormill_ros.operator.history.history import kept_runs
+from doormill_ros.operator.history.history_csv import history_csv
+from doormill_ros.operator.history.history_search import Found, search_history
 from doormill_ros.operator.languages import Language
-from doormill_ros.operator.short_text import short
-from doormill_ros.operator.state import HISTORY
-from doormill_ros.operator.view_store import ViewStore
+from doormill_ros.operator.views.ended_run import EndedRun
+from doormill_ros.operator.views.short_text import short
+from doormill_ros.operator.views.state import HISTORY
+from doormill_ros.operator.views.view_store import ViewStore
 
 LONGEST_SEARCH = 200  # characters
 MOST_SHOWN = 200  # runs in an answer to the page

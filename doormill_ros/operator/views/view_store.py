@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 
-from doormill_ros.operator.state import CellView
+from doormill_ros.operator.views.state import CellView
 
 
 class ViewStore:

@@ -11,10 +11,10 @@ from fastapi import FastAPI, HTTPException, Query, Request
 from pydantic import BaseModel, Field
 
 from doormill_ros.errors import DoormillError
-from doormill_ros.operator.audit import AuditLog
-from doormill_ros.operator.order_paths import ORDERS
-from doormill_ros.operator.order_texts import Printable
-from doormill_ros.operator.token import Role
+from doormill_ros.operator.access.order_paths import ORDERS
+from doormill_ros.operator.access.token import Role
+from doormill_ros.operator.orders.audit import AuditLog
+from doormill_ros.operator.orders.order_texts import Printable
 
 Value = TypeVar("Value")
 

@@ -1,0 +1,1 @@
+"""Who may order what: token, origin, tries, size of what is sent."""

@@ -1,0 +1,1 @@
+"""The runs that ended, kept and searched."""

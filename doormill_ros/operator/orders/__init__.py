@@ -1,0 +1,1 @@
+"""Orders to the cell, and the log of who gave them."""
