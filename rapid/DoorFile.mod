@@ -161,7 +161,7 @@ MODULE DoorFile
         IF NOT ToolsEnd() THEN
             Refuse TXT_RACK;
         ENDIF
-        IF moves{1}.kind<>"A" AND moves{1}.kind<>"J" THEN
+        IF moves{1}.kind<>"A" THEN
             ! From home only the axes know the way.
             Refuse TXT_FIRST_ARC;
         ENDIF
@@ -220,7 +220,7 @@ MODULE DoorFile
         CASE "C":
             CheckInteger row.target,1,targetCount;
             CheckInteger row.via,1,targetCount;
-        CASE "J","L":
+        CASE "L":
             CheckInteger row.target,1,targetCount;
             CheckInteger row.via,0,0;
         DEFAULT:

@@ -28,8 +28,8 @@ MODULE DoorMill
 
     LOCAL PROC PrepareCell()
         WatchRestart;
-        ConfJ\On;
-        ! The path's configurations are the robot's own: near a border of two of them the axes are what counts.
+        ! Near a border of two configurations a calibrated arm may have either: what counts are the axes. Ways go to
+        ! points of joint space, and no MoveJ to the configuration of a target.
         ConfL\Off;
         millingMotion:=0;
         StopSpindle;
@@ -118,8 +118,6 @@ MODULE DoorMill
         TEST row.kind
         CASE "A":
             MoveAbsJ points{row.target},speed,zone,toolMill\WObj:=wobjDoor;
-        CASE "J":
-            MoveJ targets{row.target},speed,zone,toolMill\WObj:=wobjDoor;
         CASE "L":
             MoveL targets{row.target},speed,zone,toolMill\WObj:=wobjDoor;
         CASE "C":
@@ -173,7 +171,7 @@ MODULE DoorMill
 
     LOCAL FUNC bool IsWay(num number)
         ! Not at a feature, or on a way that only the axes know.
-        RETURN moves{number}.feature=0 OR moves{number}.kind="A" OR moves{number}.kind="J";
+        RETURN moves{number}.feature=0 OR moves{number}.kind="A";
     ENDFUNC
 
     LOCAL PROC Announce(num number)

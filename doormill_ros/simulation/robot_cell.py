@@ -205,7 +205,7 @@ class RobotCell:
             self._arm,
             self._truth,
             io=MemoryIo(),
-            process=listed_process(program, first=0),
+            process=listed_process(program),
             limits=replace(limits, short_in_row=None, zero_length=False),
             layout=self._layout,
         )

@@ -52,7 +52,7 @@ def assembled(
     route = itinerary(plan)
     check_size([stop.feature for stop in route.stops], settings)
     targets = corrected_targets(plan, route, stations, q, loaded, robot, settings)
-    points = [point for step in plan.steps for point in step.points]
+    points = _points(plan, q[:, -1])
     escapes: list[range] = []
     for escape in plan.escapes:
         escapes.append(range(len(points), len(points) + len(escape)))
@@ -67,10 +67,18 @@ def assembled(
     )
 
 
-def steps_of(program: MillingProgram) -> dict[int, int]:
-    """Step of the plan that each motion to a target was made from."""
-    steps = [i for i, motion in enumerate(program.motions) if motion.kind is not MotionKind.ABSOLUTE]
-    return {motion: step for step, motion in enumerate(steps)}
+def steps_of(plan: Plan) -> dict[int, int]:
+    """Step of the plan that each motion of its program was made from, those to the points before steps left out."""
+    last = np.cumsum([1 + len(step.points) for step in plan.steps]) - 1
+    return {motion: step for step, motion in enumerate(last.tolist())}
+
+
+def _points(plan: Plan, end: FloatArray) -> list[FloatArray]:
+    """The points of joint space along the steps, at whose ends the joint angles are `end`, shape (m, 6) [rad]."""
+    points: list[FloatArray] = []
+    for step, q in zip(plan.steps, end, strict=True):
+        points += [*step.points, q] if step.kind is MotionKind.ABSOLUTE else step.points
+    return points
 
 
 def _check_points(points: Sequence[FloatArray], plan: Plan) -> None:
@@ -91,6 +99,9 @@ def _motions(plan: Plan, route: Itinerary, stations: Stations, way_speed: float)
     points = count()
     for i, step in enumerate(plan.steps):
         motions += [_through(next(points), way_speed, step.spindle_speed) for _ in step.points]
+        if step.kind is MotionKind.ABSOLUTE:
+            motions.append(_through(next(points), step.speed, step.spindle_speed))
+            continue
         motions.append(_motion(step, int(route.end[i]), int(route.via[i]), stations.wrench[i]))
     return motions
 

@@ -57,7 +57,7 @@ def between_features(steps: Sequence[Step], index: int) -> bool:
     """True for the step that alone leads from one feature to the next, joint by joint."""
     step = steps[index]
     return (
-        step.kind is MotionKind.JOINT
+        step.kind is MotionKind.ABSOLUTE
         and not step.feature
         and 0 < index < len(steps) - 1
         and bool(steps[index - 1].feature and steps[index + 1].feature)
@@ -67,8 +67,8 @@ def between_features(steps: Sequence[Step], index: int) -> bool:
 def check_air(steps: Sequence[Step], path: JointPath, world: World) -> None:
     """See that nothing is touched on a motion between features.
 
-    The way to the first feature is planned from home, and a single MoveJ from feature to feature gets points to pass:
-    both are not looked at here.
+    The way to the first feature is planned from home, and a single MoveAbsJ from feature to feature gets points to
+    pass: both are not looked at here.
 
     Args:
         steps: The plan.
@@ -82,7 +82,7 @@ def check_air(steps: Sequence[Step], path: JointPath, world: World) -> None:
     for i in range(1, len(steps)):
         if i <= free or not _alone_in_air(steps, i):
             continue
-        if steps[i].kind is MotionKind.JOINT:
+        if steps[i].kind is MotionKind.ABSOLUTE:
             last = _last_of_swing(steps, i)
             found = contact_along(world, path.stations[i - 1 : last + 1, -1])
             if found is None:
@@ -109,10 +109,12 @@ def _alone_in_air(steps: Sequence[Step], index: int) -> bool:
 
 
 def _last_of_swing(steps: Sequence[Step], index: int) -> int:
-    """Number of the last MoveJ of those one after the other: all together are looked at in half the time of each."""
+    """Number of the last MoveAbsJ of those one after the other: all together are looked at in half the time of each."""
     last = index
     while (
-        last + 1 < len(steps) and steps[last + 1].kind is MotionKind.JOINT and _alone_in_air(steps, last + 1)
+        last + 1 < len(steps)
+        and steps[last + 1].kind is MotionKind.ABSOLUTE
+        and _alone_in_air(steps, last + 1)
     ):
         last += 1
     return last

@@ -51,8 +51,8 @@ def door_plan(
 
     A door of the program Path_20 gets exactly the thesis' targets and motions, if one robot mills
     it with a mill that may go straight down, its turns are wide enough for arcs through three targets and its pockets
-    narrow enough to be cleared by them. Any other is milled feature by feature: with a MoveJ to the first one and
-    wherever the spindle has to swing, in straight lines in front of the face otherwise.
+    narrow enough to be cleared by them. Any other is milled feature by feature: with a MoveAbsJ to the first one
+    and wherever the spindle has to swing, in straight lines in front of the face otherwise.
 
     Args:
         recipe: The door.
@@ -105,7 +105,7 @@ def _planned(
             cuts = _at_one_speed(cuts, steps[-1].spindle_speed, item, settings)
         if before is not None and number in free:
             at, goal = steps[-1].curve.end, cuts[0].curve.end
-            steps.append(_air(cuts[0], at, goal, MotionKind.JOINT))
+            steps.append(_air(cuts[0], at, goal, MotionKind.ABSOLUTE))
         else:
             steps += _way(before, item, steps, cuts[0], settings, distances.get(number))
         steps += cuts[1:]
@@ -150,7 +150,7 @@ def _way(
     """Motions from where the last feature ended to the front of the next one."""
     goal = first.curve.end
     if before is None:
-        return [_air(first, goal, goal, MotionKind.JOINT)]
+        return [_air(first, goal, goal, MotionKind.ABSOLUTE)]
     last = steps[-1]
     at = last.curve.end
     if before.side is after.side and far is None:
@@ -160,7 +160,7 @@ def _way(
     back, wait = at - out * last.R_door_tool[:, 2], goal - out * first.R_door_tool[:, 2]
     way = [_air(last, at, back, MotionKind.LINEAR)]
     if before.side is after.side:
-        way.append(_air(first, back, wait, MotionKind.JOINT))
+        way.append(_air(first, back, wait, MotionKind.ABSOLUTE))
     else:
         way += _round_the_edge(before, after, last, first, back, wait, settings.approach.edge_clearance)
     return [*way, _air(first, wait, goal, MotionKind.LINEAR)]
@@ -192,14 +192,14 @@ def _round_the_edge(
 
 
 def _swing(last: Step, first: Step, start: FloatArray, end: FloatArray) -> list[Step]:
-    """Turn the spindle on the way, in parts so small that a MoveJ goes almost straight."""
+    """Turn the spindle on the way, in parts so small that a MoveAbsJ goes almost straight."""
     share = np.arange(1, SWING_PARTS + 1) / SWING_PARTS
     ends = Rotation.from_matrix(np.stack([last.R_door_tool, first.R_door_tool]))
     turned = Slerp([0.0, 1.0], ends)(share).as_matrix()
     turned[-1] = first.R_door_tool
     places = [start, *(start + share[:, None] * (end - start))]
     return [
-        replace(_air(first, a, b, MotionKind.JOINT), R_door_tool=R)
+        replace(_air(first, a, b, MotionKind.ABSOLUTE), R_door_tool=R)
         for (a, b), R in zip(itertools.pairwise(places), turned, strict=True)
     ]
 

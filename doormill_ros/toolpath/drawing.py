@@ -61,6 +61,8 @@ def draw_ways(
 ) -> None:
     """Add the tool's ways through joint space as the layer `ways`: from home, between features, and home again.
 
+    With each goes the first motion behind it.
+
     Args:
         drawing: Of the door.
         program: What is milled into it.
@@ -73,11 +75,12 @@ def draw_ways(
     T_door_base, kinematics, q = inverse(T_base_door), Kinematics(robot), program.home
     share = np.linspace(0.0, 1.0, WAY_POINTS)[:, None]
     ends = [(motion.kind, program.q_after(motion)) for motion in program.motions]
+    before = MotionKind.ABSOLUTE
     for kind, end in [*ends, (MotionKind.ABSOLUTE, program.home)]:
-        if kind in (MotionKind.JOINT, MotionKind.ABSOLUTE):
+        if kind in (MotionKind.JOINT, MotionKind.ABSOLUTE) or (before in AT_POINTS and kind not in AT_POINTS):
             tips = (kinematics.forward(q + share * (end - q)) @ T_flange_tool)[:, :3, 3]
             drawing.overlay("ways", apply(T_door_base, tips), None, WAY, 1.0, True)
-        q = end
+        q, before = end, kind
 
 
 def save_png(
@@ -146,8 +149,12 @@ def _ways(
     places = apply(T_door_base, nominal + factor * (corrected - nominal))
     ways = []
     for i, motion in enumerate(program.motions):
-        if i == 0 or motion.kind in (MotionKind.JOINT, *AT_POINTS):
-            continue
+        if (
+            i == 0
+            or motion.kind in (MotionKind.JOINT, *AT_POINTS)
+            or program.motions[i - 1].kind in AT_POINTS
+        ):
+            continue  # where it begins is known to the joints alone
         start, end = places[program.motions[i - 1].target], places[motion.target]
         points = np.array([start, end]) if motion.via is None else _arc(start, places[motion.via], end)
         ways.append((points, motion.feature, motion.cutting))

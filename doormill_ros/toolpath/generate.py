@@ -116,12 +116,12 @@ def _with_one_tool(
     flat = unfollowable(program)
     if flat and not plan.fixed:
         # A step in the correction has bent an arc over that was almost a line.
-        steps = steps_of(program)
+        steps = steps_of(plan)
         plan, stations, q = straightened(plan, q, T_base_door, loaded, {steps[i] for i in flat})
         program = assembled(recipe, plan, stations, q, loaded, robot, settings, layout.home)
     if flat:
         check_arcs(program)
-    return program if plan.fixed else paced(program, settings)
+    return program if plan.fixed else paced(program, robot, settings)
 
 
 def _check_length(item: Operation, settings: PathSettings) -> None:

@@ -42,7 +42,7 @@ class Itinerary:
 
     Attributes:
         stops: The targets.
-        end: Index of the target at the end of each step, shape (m,).
+        end: Index of the target at the end of each step, -1 where that is a point of joint space, shape (m,).
         via: Index of the circle point of each step, -1 for a straight one, shape (m,).
     """
 
@@ -55,7 +55,7 @@ def itinerary(plan: Plan) -> Itinerary:
     """Number the targets of a plan.
 
     Named targets that come up again are one target, and so are those of a step that starts where
-    the one before ended.
+    the one before ended. A step that goes joint by joint has none.
     """
     steps = plan.steps
     stops: list[Stop] = []
@@ -68,20 +68,22 @@ def itinerary(plan: Plan) -> Itinerary:
         stops.append(Stop(name or str(len(stops) + 1), step.feature))
         return len(stops) - 1
 
-    end, via = np.zeros(len(steps), dtype=int), np.full(len(steps), -1)
+    end, via = np.full((2, len(steps)), -1)
     for i, step in enumerate(steps):
+        if step.kind is MotionKind.ABSOLUTE:
+            continue
         if step.kind is MotionKind.CIRCULAR:
             via[i] = stop(step.via_name, step)
             stops[via[i]].visits.append(Visit(i, VIA))
         end[i] = stop(step.name, step)
         stops[end[i]].visits.append(Visit(i, -1))
-        if i:
+        if i and end[i - 1] >= 0:
             stops[end[i - 1]].visits.append(Visit(i, 0))
     if plan.target_order:
         place = {name: k for k, name in enumerate(plan.target_order)}
         new = np.array([place[s.name] for s in stops])
         ordered: Sequence[Stop] = sorted(stops, key=lambda s: place[s.name])
-        return Itinerary(tuple(ordered), new[end], np.where(via >= 0, new[via], -1))
+        return Itinerary(tuple(ordered), np.where(end >= 0, new[end], -1), np.where(via >= 0, new[via], -1))
     return Itinerary(tuple(stops), end, via)
 
 
@@ -106,6 +108,9 @@ def shift_along(route: Itinerary, shift: FloatArray) -> FloatArray:
         At the stations of each step, shape (m, k, d).
     """
     t = FRACTIONS[None, :, None]
+    shift = np.concatenate(
+        [shift, np.zeros_like(shift[:1])]
+    )  # of -1: nothing is added at points of joint space
     start = shift[np.concatenate([route.end[:1], route.end[:-1]])][:, None]  # (m, 1, d)
     end = shift[route.end][:, None]
     straight = start + t * (end - start)

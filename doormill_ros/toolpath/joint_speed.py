@@ -19,9 +19,9 @@ from doormill_ros.units import m_to_mm, rad_to_deg
 def joint_speed_shares(steps: Sequence[Step], path: JointPath, robot: Robot) -> FloatArray:
     """Largest share of its speed limit that each joint needs on each step, shape (m, 6).
 
-    Zero for a MoveJ, which the controller times by the joints themselves.
+    Zero for a MoveAbsJ, which the controller times by the joints themselves.
     """
-    length = np.array([0.0 if s.kind is MotionKind.JOINT else s.curve.length for s in steps])
+    length = np.array([0.0 if s.kind is MotionKind.ABSOLUTE else s.curve.length for s in steps])
     speed = np.array([s.speed for s in steps])
     way = np.diff(path.fraction) * length[path.step[1:]]  # (n - 1,)
     within = (np.diff(path.step) == 0) & (way > 1e-9)

@@ -9,9 +9,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from doormill_ros.robot.description import Robot
 from doormill_ros.toolpath.arcs import turn_between, turns_between
 from doormill_ros.toolpath.curve import Arc
-from doormill_ros.toolpath.motion_ways import motion_ways
+from doormill_ros.toolpath.motion_ways import motion_ways, tool_at_points
 from doormill_ros.toolpath.plan import Step
 from doormill_ros.toolpath.program import MillingProgram
 from doormill_ros.toolpath.settings import PathSettings
@@ -64,9 +65,10 @@ def zone_of(mill_radius: float) -> str:
     return "z1" if mill_radius >= SMALLEST_MILL else "z0"
 
 
-def paced(program: MillingProgram, settings: PathSettings) -> MillingProgram:
+def paced(program: MillingProgram, robot: Robot, settings: PathSettings) -> MillingProgram:
     """The program with every feed lowered to what can be followed along its corrected targets."""
-    ways = motion_ways(program, np.array([t.T_base_tool_corrected[:3, 3] for t in program.targets]))
+    places = np.array([t.T_base_tool_corrected[:3, 3] for t in program.targets])
+    ways = motion_ways(program, places, tool_at_points(program, robot))
     known, length = ways.known.tolist(), ways.length.tolist()
     shortest, acceleration = settings.correction.segment_time, SPARE * settings.cycle.acceleration
     speed = np.array([motion.speed for motion in program.motions])

@@ -17,8 +17,9 @@ class Step:
     """One motion of the tool centre point, in the door frame.
 
     Attributes:
-        kind: MoveJ, MoveL or MoveC.
-        curve: Path of the tool centre point; for a MoveJ only its end counts.
+        kind: MoveAbsJ, MoveL or MoveC.
+        curve: Path of the tool centre point; for a MoveAbsJ only its end counts, the posture there is a point of joint
+            space and no target.
         R_door_tool: Orientation of the tool, shape (3, 3).
         speed: Speed of the tool centre point [m/s].
         zone: RAPID zone at the end.

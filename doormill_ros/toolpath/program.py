@@ -39,7 +39,11 @@ class Target:
 
 
 class MotionKind(str, Enum):
-    """RAPID motion instruction."""
+    """RAPID motion instruction.
+
+    A MoveJ ends in the configuration that its target says, which a calibrated arm may not have near a border of two.
+    Programs have none: joint by joint they go to points of joint space. Bags of earlier programs tell of some.
+    """
 
     JOINT = "MoveJ"
     LINEAR = "MoveL"
@@ -61,7 +65,7 @@ class Motion:
     """One motion instruction.
 
     Attributes:
-        kind: MoveJ, MoveL, MoveC or MoveAbsJ, or what is done at the rack.
+        kind: MoveL, MoveC or MoveAbsJ, or what is done at the rack.
         target: Index into the program's targets where the motion ends; of a MoveAbsJ into its points. At the rack the
             point in front of it, where the robot stands before and after.
         via: Index of the circle point of a MoveC; at the rack the place of the tool, from 0; None otherwise.

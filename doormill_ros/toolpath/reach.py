@@ -70,7 +70,7 @@ def joint_path(
     settings: PathSettings,
     branches: Iterable[int] = range(BRANCHES),
 ) -> JointPath:
-    """Joint angles at every station, in one configuration between one MoveJ and the next.
+    """Joint angles at every station, in one configuration between one MoveAbsJ and the next.
 
     Args:
         steps: The plan.
@@ -84,11 +84,11 @@ def joint_path(
         ReachError: A target is out of reach.
         PathJointLimitError: A joint would have to go beyond its limit.
         PathSingularityError: The path comes too close to a singularity.
-        ConfigurationChangeError: No configuration serves the path up to the next MoveJ.
+        ConfigurationChangeError: No configuration serves the path up to the next MoveAbsJ.
     """
     index, fraction = _dense(steps)
     T_base_flange = stations_along(steps, T_base_door, index, fraction) @ inverse(T_flange_tool)
-    leg = np.cumsum([step.kind is MotionKind.JOINT for step in steps])
+    leg = np.cumsum([step.kind is MotionKind.ABSOLUTE for step in steps])
     checks = settings.checks
     rules = BranchRules(
         limit_margin=checks.joint_margin, wrist=checks.wrist, elbow=checks.elbow, shoulder=checks.shoulder
@@ -112,7 +112,7 @@ def _dense(steps: Sequence[Step]) -> tuple[IntArray, FloatArray]:
     for step in steps:
         spacing = SPACING if step.cutting else AIR_SPACING
         parts = 4 * max(1, math.ceil(step.curve.length / spacing / 4.0))
-        few = parts == 4 or step.kind is MotionKind.JOINT
+        few = parts == 4 or step.kind is MotionKind.ABSOLUTE
         fractions.append(FRACTIONS if few else np.arange(parts + 1) / parts)
     index = np.repeat(np.arange(len(steps)), [len(own) for own in fractions])
     return index, np.concatenate(fractions)

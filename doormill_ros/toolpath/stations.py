@@ -50,7 +50,7 @@ class Stations:
 def stations_of(steps: Sequence[Step], T_base_door: FloatArray) -> Stations:
     """Nominal poses and wrenches along all steps.
 
-    A MoveJ does not follow its curve, so all its stations are at its end.
+    A MoveAbsJ does not follow its curve, so all its stations are at its end.
 
     Args:
         steps: m steps in the door frame.
@@ -80,7 +80,7 @@ def stations_along(
         index: Step of each pose, shape (n,).
         fraction: Fraction 0..1 of the step's length, shape (n,).
     """
-    joint = np.array([s.kind is MotionKind.JOINT for s in steps])
+    joint = np.array([s.kind is MotionKind.ABSOLUTE for s in steps])
     points = points_of([s.curve for s in steps], index, np.where(joint[index], 1.0, fraction))
     T_base_tool = np.zeros((len(points), 4, 4))
     R_base_tool = T_base_door[:3, :3] @ np.array([s.R_door_tool for s in steps])

@@ -79,13 +79,14 @@ def _hinge(
         )
         for (curve, segment), (name, via) in zip(pieces, names, strict=True)
     ]
+    # Path_20 comes in a straight line from its own home; another home may have another configuration.
     if before is None:
-        # Path_20 comes in a straight line from its own home; another home may have another configuration.
-        arrive = air(front, front, approach.rapid_speed, init, MotionKind.JOINT)
+        way = air(front, front, approach.rapid_speed, "", MotionKind.ABSOLUTE)
+        arrive = [way, air(front, front, approach.rapid_speed, init)]
     else:
-        arrive = air(before, front, approach.plunge_speed, init)
+        arrive = [air(before, front, approach.plunge_speed, init)]
     return [
-        arrive,
+        *arrive,
         air(front, start, approach.plunge_speed, first),
         *cut,
         air(start, front, approach.plunge_speed, init),

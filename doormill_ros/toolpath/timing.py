@@ -11,7 +11,7 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import inverse
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.kinematics import Kinematics
-from doormill_ros.toolpath.motion_ways import motion_ways
+from doormill_ros.toolpath.motion_ways import motion_ways, tool_at_points
 from doormill_ros.toolpath.program import AT_POINTS, RACK_KINDS, MillingProgram, Motion, MotionKind
 from doormill_ros.toolpath.settings import Cycle
 
@@ -39,7 +39,7 @@ def motion_times(program: MillingProgram, robot: Robot, cycle: Cycle) -> FloatAr
         return times
     motions = program.motions
     stop = [_stops(program, i) for i in range(n)]
-    ways = motion_lengths(program).tolist()
+    ways = motion_lengths(program, robot).tolist()
     lengths = {i: ways[i] for i in range(1, n) if motions[i].kind not in JOINT_MOTIONS}
     passed = _passed(program, lengths, stop, cycle.acceleration)
     joint = {i for i, motion in enumerate(motions) if motion.kind in JOINT_MOTIONS} | {n}
@@ -171,7 +171,11 @@ def _stretch(length: float, speed: float, acceleration: float, begin: float, end
     return (2.0 * speed - begin - end) / acceleration + (length - ramps) / speed
 
 
-def motion_lengths(program: MillingProgram) -> FloatArray:
-    """Lengths of the MoveL and MoveC of n motions on the nominal path, 0 for the others, shape (n,) [m]."""
+def motion_lengths(program: MillingProgram, robot: Robot | None = None) -> FloatArray:
+    """Lengths of the MoveL and MoveC of n motions on the nominal path, 0 for the others, shape (n,) [m].
+
+    Without a robot, 0 for one that begins at a point of joint space, too.
+    """
     places = np.array([target.T_base_tool_nominal[:3, 3] for target in program.targets]).reshape(-1, 3)
-    return motion_ways(program, places).length
+    points = tool_at_points(program, robot) if robot is not None and program.targets else None
+    return motion_ways(program, places, points).length

@@ -444,7 +444,7 @@ def test_a_target_needs_no_trailer_to_be_read(program):
 def test_a_target_without_name_and_feature_is_written():
     T = pose((1.0, 0.0, 0.0))
     target = Target("", T, T, np.zeros(6), ANY, np.zeros(6), np.zeros(6))
-    motion = Motion(MotionKind.JOINT, 0, None, 1.0, "fine", "", False)
+    motion = Motion(MotionKind.LINEAR, 0, None, 1.0, "fine", "", False)
     program = MillingProgram("d", 1, (target,), (motion,), home=np.zeros(6))
     file = read_target_file(render_target_file(program, "r"))
     assert file.motions[0].feature == ""

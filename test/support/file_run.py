@@ -19,7 +19,7 @@ from doormill_ros.simulation.controller.process import Process, no_wrench
 from doormill_ros.simulation.controller.rapid.machine import Move
 
 HOME = [0.0, -40.0, 30.0, 0.0, 10.0, 0.0]  # jposHome of rapid/DoorCell.mod, for files that do not say it
-KINDS = {"J": "MoveJ", "L": "MoveL", "C": "MoveC", "A": "MoveAbsJ"}
+KINDS = {"L": "MoveL", "C": "MoveC", "A": "MoveAbsJ"}
 RACK = "PTM"  # a tool into its place, out of it, and to the gauge
 NOT_CONNECTED = [9e9] * 6
 

@@ -67,8 +67,7 @@ def test_wrong_model_shows_in_the_result(cell, standard):
 
 def test_motions_join_and_arcs_keep_the_limits(standard):
     _, _, program = standard
-    first = next(m for m in program.motions if m.kind is not MotionKind.ABSOLUTE)
-    assert first.kind is MotionKind.JOINT
+    assert program.motions[0].kind is MotionKind.ABSOLUTE
     names = [t.name for t in program.targets]
     assert len(set(names)) == len(names)
     to_targets = [m for m in program.motions if m.kind is not MotionKind.ABSOLUTE]
@@ -220,8 +219,8 @@ def test_exaggeration_is_of_the_correction_alone(cell, standard):
     from doormill_ros.toolpath.drawing import _ways
 
     recipe, T_base_door, program = standard
-    joint_by_joint = (MotionKind.JOINT, MotionKind.ABSOLUTE)
-    cuts = [i for i, m in enumerate(program.motions) if i and m.kind not in joint_by_joint]
+    by_tool = [m.kind is not MotionKind.ABSOLUTE for m in program.motions]
+    cuts = [i for i, own in enumerate(by_tool) if i and own and by_tool[i - 1]]
     assert {program.motions[i].feature for i in cuts} >= {feature.id for feature in recipe.features}
     for factor, pose in ((0.0, "T_base_tool_nominal"), (1.0, "T_base_tool_corrected")):
         for (points, feature, _), i in zip(_ways(program, T_base_door, factor), cuts, strict=True):

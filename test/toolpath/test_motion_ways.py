@@ -1,12 +1,22 @@
 """What circles and lines between targets are, against circles that were drawn first."""
 
+import itertools
+
 import numpy as np
 import pytest
 
 from doormill_ros.robot.configuration import ConfData
 from doormill_ros.toolpath.arcs import circles
-from doormill_ros.toolpath.motion_ways import motion_ways
+from doormill_ros.toolpath.motion_ways import motion_ways, tool_at_points
 from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target
+from doormill_ros.toolpath.settings import load_settings
+from doormill_ros.toolpath.timing import motion_times
+
+
+@pytest.fixture(scope="module")
+def standard(cell):
+    recipe = cell.recipe("standard_door")
+    return recipe, cell.robot, cell.program(recipe, cell.placed(recipe))
 
 
 def test_circles_are_those_that_their_points_were_taken_from():
@@ -61,3 +71,40 @@ def test_nothing_is_told_of_ways_that_the_joints_make():
     assert ways.radius.tolist() == pytest.approx([np.inf, np.inf, radius, *[np.inf] * 4])
     np.testing.assert_allclose(ways.begin[1], [0.6, 0.8, 0.0])
     np.testing.assert_allclose([ways.begin[2], ways.end[2]], [begin, end])
+
+
+def test_a_line_from_a_point_of_joint_space_is_as_long_as_from_where_the_tool_stands_there(standard):
+    _, robot, program = standard
+    stands = tool_at_points(program, robot)
+    follows = [
+        (before, i)
+        for i, (before, motion) in enumerate(itertools.pairwise(program.motions), start=1)
+        if before.kind is MotionKind.ABSOLUTE and motion.kind is MotionKind.LINEAR
+    ]
+    assert follows
+    places = np.array([target.T_base_tool_nominal[:3, 3] for target in program.targets])
+    ways = motion_ways(program, places, stands)
+    bare = motion_ways(program, places)
+    for before, i in follows:
+        way = places[program.motions[i].target] - stands[before.target]
+        assert ways.known[i]
+        assert not bare.known[i]
+        assert ways.length[i] == pytest.approx(np.linalg.norm(way))
+        np.testing.assert_allclose(ways.begin[i], way / np.linalg.norm(way), atol=1e-9)
+    rest = np.setdiff1d(np.arange(len(program.motions)), [i for _, i in follows])
+    np.testing.assert_array_equal(ways.length[rest], bare.length[rest])
+
+
+def test_a_door_takes_the_time_of_the_lines_behind_its_ways(standard):
+    """They are the ways to the wood, at their speed no quicker than so."""
+    _, robot, program = standard
+    stands = tool_at_points(program, robot)
+    times = motion_times(program, robot, load_settings().cycle)
+    found, least = [], []
+    for i, (before, motion) in enumerate(itertools.pairwise(program.motions), start=1):
+        if before.kind is MotionKind.ABSOLUTE and motion.kind is MotionKind.LINEAR:
+            end = program.targets[motion.target].T_base_tool_nominal[:3, 3]
+            least.append(np.linalg.norm(end - stands[before.target]) / motion.speed)
+            found.append(times[i])
+    assert found
+    assert np.all(np.array(found) > least)

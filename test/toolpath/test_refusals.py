@@ -254,11 +254,11 @@ def test_a_way_through_the_wood(cell, recipe):
 def test_of_a_swing_the_motion_is_named_that_touches_something(cell, recipe):
     T = cell.T_base_door(recipe)
     plan, path = routed(cell, recipe, T)
-    swings = [i for i, step in enumerate(plan.steps) if i and step.kind is MotionKind.JOINT]
+    swings = [i for i, step in enumerate(plan.steps) if i and step.kind is MotionKind.ABSOLUTE]
     assert swings[1] == swings[0] + 1
     wider = world_of(cell, recipe, T, width=0.2)
     touching = [i for i in swings if contact_along(wider, path.stations[[i - 1, i], -1])]
-    only = [step if step.kind is MotionKind.JOINT else step.changed(cutting=True) for step in plan.steps]
+    only = [step if step.kind is MotionKind.ABSOLUTE else step.changed(cutting=True) for step in plan.steps]
     with pytest.raises(errors.AirMoveError) as found:
         check_air(only, path, wider)
     assert found.value.data["motion"] == touching[0] + 1

@@ -17,7 +17,7 @@ THESIS_DOORS = ["thesis_190_0deg", "thesis_190_2deg", "thesis_1350_0deg", "thesi
 FILE_ORDER = ["init", "10", "11", "12", "13", "14", "15", "init2", "20", "21", "22", "23", "24", "25"]
 # Figure 3.41 without the two home positions, which are not in the file.
 PATH_20 = [
-    ("MoveJ", None, "init"),  # the thesis: MoveL from its own Target_Home
+    ("MoveL", None, "init"),
     ("MoveL", None, "11"),
     ("MoveC", "10", "12"),
     ("MoveL", None, "14"),

@@ -34,7 +34,6 @@ MAX_SPINDLE_SPEED = 24000.0 * RPM  #: more than any router spindle of the cell t
 
 
 _KINDS = {
-    MotionKind.JOINT: "J",
     MotionKind.LINEAR: "L",
     MotionKind.CIRCULAR: "C",
     MotionKind.ABSOLUTE: "A",
@@ -48,7 +47,7 @@ MAX_PLACES = 8  #: places of the rack that the RAPID module knows
 _KIND_OF = {letter: kind for kind, letter in _KINDS.items()}
 _NUMBER = r"(\d{1,5}(?:\.\d{1,3})?)"
 _MOVE = re.compile(
-    rf'\["([JLCAPTM])",(\d{{1,4}}),(\d{{1,4}}),{_NUMBER},"([a-z0-9]{{2,4}})",(\d{{1,2}}),(TRUE|FALSE),{_NUMBER}\]'
+    rf'\["([LCAPTM])",(\d{{1,4}}),(\d{{1,4}}),{_NUMBER},"([a-z0-9]{{2,4}})",(\d{{1,2}}),(TRUE|FALSE),{_NUMBER}\]'
 )
 
 
@@ -130,7 +129,7 @@ def format_move(index: int, motion: Motion, ends: Ends, features: list[str]) -> 
         )
 
     if motion.kind not in _KINDS:
-        raise error(f"kind {motion.kind!r}", "MoveJ, MoveL, MoveC or MoveAbsJ, or one of the rack")
+        raise error(f"kind {motion.kind!r}", "MoveL, MoveC or MoveAbsJ, or one of the rack")
     last = ends.of(_KINDS[motion.kind])
     if not 0 <= motion.target < last:
         raise error(f"target {motion.target}", f"0 to {last - 1}")

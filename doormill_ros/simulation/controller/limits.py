@@ -32,9 +32,9 @@ class ControllerLimits(Section):
             points" the closest [?]).
         planning_time: Before a zone is reached the next motion must have been known for so long [s], else the
             corner is a stop point with event 50024 (ABB tech pages on corner path failure; the time is [?]).
-        quadrant_margin: A Cartesian motion under ConfL\On may end with axis 1, 4 or 6 no nearer to a border of
-            quadrants [rad]: a calibrated arm may stand on the other side, which the controller refuses. How far a
-            calibration moves the zero of an axis is [?].
+        quadrant_margin: A MoveJ under ConfJ\On, and a Cartesian motion under ConfL\On, may end with axis 1, 4 or 6 no
+            nearer to a border of quadrants [rad]: a calibrated arm may stand on the other side, which the controller
+            refuses. How far a calibration moves the zero of an axis is [?].
         wrist_singularity: Axis 5 of a Cartesian motion is at least so far from straight [rad]; event 50026, "critical
             zone 0 deg +-3 deg" (industrialmonitordirect.com, IRC5 event 50026).
         acceleration: Of the tool along and across its path [m/s^2] [?].

@@ -188,6 +188,8 @@ class MovePlanner:
                 f"target {_point(move.target)} cannot be reached in configuration {_numbers(move.target[2])}",
                 "a target and configuration within the robot's range",
             )
+        if self.joint_configuration:
+            self._check_quadrants(move, found)
         return found
 
     def _try(self, move: Move, curve: TcpCurve, T_flange_tool: FloatArray, q: FloatArray) -> FloatArray:
@@ -223,8 +225,20 @@ class MovePlanner:
         """ConfL: a Cartesian motion must end in the configuration that its target names."""
         if not self.linear_supervision:
             return
-        wanted = self._conf(move, move.target)
-        found = self._arm.conf_of(q_end)
+        self._check_quadrants(move, q_end)
+        wanted, found = self._conf(move, move.target), self._arm.conf_of(q_end)
+        near_border = abs(q_end[4]) < BORDER
+        if found[3] != wanted[3] and not (near_border and found[3] // 2 == wanted[3] // 2):
+            raise self._error(
+                move,
+                f"the motion ends in cfx {found[3]}, the target says {wanted[3]}",
+                "the same cfx",
+                CONFIGURATION,
+            )
+
+    def _check_quadrants(self, move: Move, q_end: FloatArray) -> None:
+        """Axes 1, 4 and 6 in the quadrants that the target names, and so far within that a calibrated arm's are."""
+        wanted, found = self._conf(move, move.target), self._arm.conf_of(q_end)
         for axis, quarter, name in zip((0, 3, 5), wanted[:3], ("cf1", "cf4", "cf6"), strict=True):
             low = quarter * QUARTER
             margin = self._limits.quadrant_margin or -BORDER
@@ -235,14 +249,6 @@ class MovePlanner:
                     f"configuration {_numbers(found)}, {rad_to_deg(margin):.1f} deg within its quadrant",
                     CONFIGURATION,
                 )
-        near_border = abs(q_end[4]) < BORDER
-        if found[3] != wanted[3] and not (near_border and found[3] // 2 == wanted[3] // 2):
-            raise self._error(
-                move,
-                f"the motion ends in cfx {found[3]}, the target says {wanted[3]}",
-                "the same cfx",
-                CONFIGURATION,
-            )
 
     def _conf(self, move: Move, target: Value) -> tuple[int, int, int, int]:
         conf = target[2]

@@ -97,21 +97,19 @@ def module_process(milling: MillingProgram | None = None, wrench_of: WrenchOf | 
     return Process(module_context, wrench_of or own)
 
 
-def listed_process(milling: MillingProgram, first: int = 1, wrench_of: WrenchOf | None = None) -> Process:
+def listed_process(milling: MillingProgram, wrench_of: WrenchOf | None = None) -> Process:
     """The cut while a program without our data runs, such as the thesis'.
 
     Args:
-        milling: Its motions, but for what is done at a rack, are the program's motion instructions from number
-            `first` on.
-        first: Motion instructions before that, such as the one to the home position.
+        milling: Its motions, but for what is done at a rack, are the program's motion instructions in turn.
         wrench_of: Wrenches of another origin than the program's own.
     """
     moved = [i for i, motion in enumerate(milling.motions) if motion.kind not in RACK_KINDS]
 
     def context_of(_program: RapidProgram, count: int) -> MotionContext:
-        if not 0 <= count - first < len(moved):
+        if not 0 <= count < len(moved):
             return MotionContext()
-        index = moved[count - first]
+        index = moved[count]
         motion = milling.motions[index]
         return MotionContext(index, motion.feature, motion.cutting)
 

@@ -22,6 +22,7 @@ from support.rapid_bench import reading_modules
 
 HALF_ULP_OF_ONE = 2.0**-25
 RUNS = itertools.count(1)
+LETTERS = {MotionKind.ABSOLUTE: "A", MotionKind.LINEAR: "L"}  #: what a file calls them
 
 
 def assert_same_target(told, target: Target, line) -> None:
@@ -73,7 +74,7 @@ def assert_same_joints(told, q) -> None:
 
 
 def program_of(arm, angles) -> MillingProgram:
-    """Joint motions to these angles, of up to three features; the way home from each passes one or two of them."""
+    """To these angles, of up to three features, and to targets there; each way home passes one or two points."""
     layout = load_layout()
     T_flange_tool = layout.T_flange_tool
     none = np.zeros(6)
@@ -82,8 +83,9 @@ def program_of(arm, angles) -> MillingProgram:
         T = arm.forward(q)[0] @ T_flange_tool
         targets.append(Target(str(i), T, T, q, ConfData(*arm.conf_of(q)), none, none))
     motions = [
-        Motion(MotionKind.JOINT, i, None, 0.3 + 0.01 * i, "fine", f"f{i % 3}", False, none, 300.0)
+        Motion(kind, i, None, 0.3 + 0.01 * i, "fine", f"f{i % 3}", False, none, 300.0)
         for i in range(len(targets))
+        for kind in LETTERS
     ]
     features = min(3, len(angles))
     escapes = tuple(range(i, min(i + 2, len(angles))) for i in range(features))
@@ -117,7 +119,8 @@ def test_any_targets_arrive_in_the_module_as_they_were_written(angles, run, arm,
     assert reader.program.read("moveCount") == len(program.motions)
     for row, motion in zip(reader.program.read("moves"), program.motions, strict=False):
         kind, target, via, speed, zone, feature, cutting, spindle = row
-        assert (kind, target - 1, via, zone, cutting) == ("J", motion.target, 0, motion.zone, motion.cutting)
+        assert (kind, target - 1, via) == (LETTERS[motion.kind], motion.target, 0)
+        assert (zone, cutting) == (motion.zone, motion.cutting)
         assert abs(speed - motion.speed * 1e3) <= 0.5e-3 + 1e-4
         assert features[int(feature) - 1] == motion.feature
         assert abs(spindle - motion.spindle_speed / RPM) <= 0.5e-3 + 3e-4
@@ -133,15 +136,16 @@ def test_the_robot_goes_where_the_file_says_in_the_configuration_it_says(angles,
     robot.run()
     assert robot.moves, (robot.pendant_lines, robot.event_log)
     *commanded, home = robot.moves  # of its own the module makes the way home alone
-    assert [m.kind for m in commanded] == ["MoveJ"] * len(program.targets)
+    assert [m.kind for m in commanded] == ["MoveAbsJ", "MoveL"] * len(program.targets)
     assert home.kind == "MoveAbsJ"
     assert_same_joints(home.target, program.home)
     path = robot.executed_path()
     for i, (move, target, line) in enumerate(
-        zip(commanded, program.targets, read_target_file(data).targets, strict=True)
+        zip(commanded[1::2], program.targets, read_target_file(data).targets, strict=True)
     ):
+        assert_same_joints(commanded[2 * i].target, program.points[i])
         assert_same_target(move.target, target, line)
-        last = np.flatnonzero(path.motion == i)[-1]
+        last = np.flatnonzero(path.motion == 2 * i + 1)[-1]
         reached = path.T_base_tool_commanded[last]
         assert np.linalg.norm(reached[:3, 3] - target.T_base_tool_corrected[:3, 3]) < 2e-6
         # Micrometres and microradians in the file; no axis magnifies them a hundredfold there.
@@ -206,17 +210,24 @@ def test_the_compliant_robot_is_bent_onto_targets_that_were_corrected_for_it(arm
             Target(name, nominal, told, joints[0], ConfData(*arm.conf_of(joints[0])), wrench, none)
         )
     motions = (
-        Motion(MotionKind.JOINT, 0, None, 0.2, "fine", "", False, none, 335.0),
+        Motion(MotionKind.ABSOLUTE, 0, None, 0.2, "fine", "", False, none, 335.0),
+        Motion(MotionKind.LINEAR, 0, None, 0.2, "fine", "edge", False, none, 335.0),
         Motion(MotionKind.LINEAR, 1, None, 0.05, "fine", "edge", True, wrench, 335.0),
     )
     program = MillingProgram(
-        "door", 1, tuple(targets), motions, points=(q,), home=load_layout().home, escapes=(range(1),)
+        "door",
+        1,
+        tuple(targets),
+        motions,
+        points=(targets[0].q,),
+        home=load_layout().home,
+        escapes=(range(1),),
     )
     robot = controller(truth=truth, process=module_process(program))
     (robot.home / "Hei2.txt").write_bytes(render_target_file(program, "run-1"))
     robot.run()
     path = robot.executed_path()
-    cut = path.motion == 1
+    cut = path.motion == 2
     bent = np.linalg.norm((path.T_base_tool - path.T_base_tool_commanded)[:, :3, 3], axis=1)
     assert bent[cut].min() > 1e-4
     assert bent[~path.cutting].max() < 1e-9

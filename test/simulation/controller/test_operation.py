@@ -470,3 +470,12 @@ def test_an_axis_near_a_border_of_quadrants_counts_as_on_the_wrong_side(make):
         make(near, limits=ControllerLimits()).run()
     assert caught.value.data["line"] > 0
     make(near, limits=ControllerLimits(quadrant_margin=0.0)).run()
+
+
+def test_a_joint_motion_to_a_target_near_a_border_of_quadrants_may_go_to_the_wrong_side(make):
+    """Under ConfJ the target's configuration is taken at its word, whichever the calibrated arm has there."""
+    near = "a:=CRobT(\\Tool:=tMill); ConfJ\\On; MoveJ Offs(a,50,0,0),v100,fine,tMill;"
+    with pytest.raises(RapidMotionError, match=r"0\.5 deg within its quadrant"):
+        make(near, limits=ControllerLimits()).run()
+    make(near, limits=ControllerLimits(quadrant_margin=0.0)).run()
+    make(near.replace("\\On", "\\Off"), limits=ControllerLimits()).run()

@@ -98,7 +98,7 @@ def test_what_the_spindle_owes_has_an_end_and_what_people_owe_has_none():
     assert all(option(call, "TimeFlag") for call in timed)
 
 
-@pytest.mark.parametrize("name", ["MoveJ", "MoveL", "MoveC", "MoveAbsJ"])
+@pytest.mark.parametrize("name", ["MoveL", "MoveC", "MoveAbsJ"])
 def test_every_motion_names_tool_and_work_object(name):
     found = list(calls(name))
     assert found
@@ -106,6 +106,12 @@ def test_every_motion_names_tool_and_work_object(name):
         arguments = [a.value.name for a in call.arguments if isinstance(a.value, s.Variable)]
         assert "toolMill" in arguments, (file, call.line)
         assert option(call, "WObj").value.name == "wobjDoor", (file, call.line)
+
+
+def test_no_motion_ends_in_a_configuration_that_a_calibrated_arm_may_not_have():
+    """MoveJ takes confdata at its word, MoveL and MoveC with ConfL\\Off do not, and MoveAbsJ has none."""
+    assert not list(calls("MoveJ"))
+    assert all(any(a.name == "Off" for a in call.arguments) for _, call in calls("ConfL"))
 
 
 def test_errors_reach_a_handler_and_handlers_never_fall_through():
@@ -215,7 +221,7 @@ def test_the_configured_signals_are_those_that_are_used():
 
 def test_the_robot_stands_before_each_signal_of_the_cell():
     """MoveHome and the approach end in stop points; between them ZoneBetween decides."""
-    found = [*calls("MoveAbsJ"), *calls("MoveJ")]
+    found = list(calls("MoveAbsJ"))
     assert len(found) >= 2
     for _, call in found:
         zone = [a.value for a in call.arguments if not a.name][2]

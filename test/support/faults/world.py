@@ -16,7 +16,10 @@ import numpy as np
 from doormill_ros.abb.target_file.target_file import render_target_file
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.files import write_atomically
+from doormill_ros.frames import inverse
 from doormill_ros.robot.configuration import ConfData
+from doormill_ros.robot.description import load_robot
+from doormill_ros.robot.inverse import inverse_branches
 from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target
 
 DOORS = ("door_a", "door_b")
@@ -120,9 +123,12 @@ def make_file(placement: int, door_id: str, run_id: str) -> bytes:
         T_base_tool[:3, :3] = [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]
         T_base_tool[:3, 3] = [_FIRST[0], _FIRST[1] + _BESIDE[door_id] + 0.004 * i, height(placement)]
         targets.append(Target(str(i), T_base_tool, T_base_tool, zeros, conf, zeros, zeros))
-    kinds = [MotionKind.JOINT, *[MotionKind.LINEAR] * 13]
+    layout = load_layout()
+    flange = targets[0].T_base_tool_corrected @ inverse(layout.T_flange_tool)
+    first = inverse_branches(load_robot(layout.robot), flange[None])[0, conf.cfx]
+    ends = [(MotionKind.ABSOLUTE, 0), *((MotionKind.LINEAR, i) for i in range(TARGETS))]
     motions = tuple(
-        Motion(kind, i, None, 0.1, "z0" if i < 13 else "fine", "", False) for i, kind in enumerate(kinds)
+        Motion(kind, i, None, 0.1, "z0" if i < TARGETS - 1 else "fine", "", False) for kind, i in ends
     )
-    home = load_layout().home
-    return render_target_file(MillingProgram(door_id, placement, tuple(targets), motions, home=home), run_id)
+    program = MillingProgram(door_id, placement, tuple(targets), motions, points=(first,), home=layout.home)
+    return render_target_file(program, run_id)
