@@ -40,7 +40,8 @@ from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.base.alive import LEASE
 from doormill_ros.nodes.base.found_topics import type_name
 from doormill_ros.nodes.base.managed_node import ManagedNode
-from doormill_ros.nodes.base.reporting_node import ERROR, OK, WARN, NodeParameter
+from doormill_ros.nodes.base.node_parameter import NodeParameter
+from doormill_ros.nodes.base.reporting_node import ERROR, OK, WARN
 from doormill_ros.nodes.bridge.attendance import CellAttendance
 from doormill_ros.nodes.bridge.controller_monitor import ControllerMonitor
 from doormill_ros.nodes.bridge.expect_door import ExpectDoorServer

@@ -26,7 +26,8 @@ from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.base.found_topics import is_hidden, matching, message_class, qos_document, type_name
 from doormill_ros.nodes.base.frame_publisher import frame_topics
 from doormill_ros.nodes.base.managed_node import ManagedNode
-from doormill_ros.nodes.base.reporting_node import ERROR, OK, WARN, NodeParameter
+from doormill_ros.nodes.base.node_parameter import NodeParameter
+from doormill_ros.nodes.base.reporting_node import ERROR, OK, WARN
 from doormill_ros.nodes.process.run import run_nodes
 from doormill_ros.recording.bag_filler import BagFiller
 from doormill_ros.recording.bag_writer import BagWriter

@@ -35,7 +35,8 @@ from doormill_ros.messages.stamps import nanoseconds_of, seconds_of
 from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.base.frame_publisher import FramePublisher
 from doormill_ros.nodes.base.managed_node import ManagedNode
-from doormill_ros.nodes.base.reporting_node import OK, WARN, NodeParameter
+from doormill_ros.nodes.base.node_parameter import NodeParameter
+from doormill_ros.nodes.base.reporting_node import OK, WARN
 from doormill_ros.nodes.convert.geometry import pose_message
 from doormill_ros.nodes.convert.picture import picture_message
 from doormill_ros.nodes.process.run import run_nodes

@@ -19,7 +19,8 @@ from doormill_ros.cell.run import Run, StageLimits
 from doormill_ros.messages.from_message import recipe_of
 from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.base.managed_node import ManagedNode
-from doormill_ros.nodes.base.reporting_node import OK, WARN, NodeParameter
+from doormill_ros.nodes.base.node_parameter import NodeParameter
+from doormill_ros.nodes.base.reporting_node import OK, WARN
 from doormill_ros.nodes.base.robots import ROBOTS
 from doormill_ros.nodes.milling.door_inspections import GAUGE_PARAMETER, DoorInspections
 from doormill_ros.nodes.milling.recipe_client import RecipeClient

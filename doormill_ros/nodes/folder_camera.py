@@ -17,7 +17,8 @@ from doormill_ros.localization.errors import BadPicture
 from doormill_ros.localization.pictures.picture_folder import PictureFolder
 from doormill_ros.messages.picture import picture_of
 from doormill_ros.nodes.base import topics
-from doormill_ros.nodes.base.reporting_node import ERROR, OK, WARN, NodeParameter
+from doormill_ros.nodes.base.node_parameter import NodeParameter
+from doormill_ros.nodes.base.reporting_node import ERROR, OK, WARN
 from doormill_ros.nodes.convert.picture import camera_info_message, picture_message
 from doormill_ros.nodes.process.run import run_nodes
 from doormill_ros.nodes.sensing.requested_camera import RequestedCamera

@@ -26,7 +26,8 @@ from doormill_ros.localization.gige.line import CameraLine
 from doormill_ros.localization.gige.waiting import Waiting
 from doormill_ros.localization.view import face_view
 from doormill_ros.nodes.base import topics
-from doormill_ros.nodes.base.reporting_node import OK, NodeParameter
+from doormill_ros.nodes.base.node_parameter import NodeParameter
+from doormill_ros.nodes.base.reporting_node import OK
 from doormill_ros.nodes.convert.picture import camera_info_message, picture_message
 from doormill_ros.nodes.process.run import run_nodes
 from doormill_ros.nodes.sensing.pose_teller import PoseTeller

@@ -29,7 +29,8 @@ from doormill_ros.monitor.watch import ModelWatch
 from doormill_ros.monitor.watch_state import WatchSettings, WatchState
 from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.base.managed_node import ManagedNode
-from doormill_ros.nodes.base.reporting_node import ERROR, OK, WARN, NodeParameter
+from doormill_ros.nodes.base.node_parameter import NodeParameter
+from doormill_ros.nodes.base.reporting_node import ERROR, OK, WARN
 from doormill_ros.nodes.convert.inspection import inspection_message
 from doormill_ros.nodes.convert.runs_verdict import verdict_of_runs
 from doormill_ros.nodes.convert.verdict import verdict_of_model

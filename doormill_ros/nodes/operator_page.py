@@ -35,7 +35,8 @@ from doormill_ros.messages.picture import colours_of, picture_of
 from doormill_ros.messages.stamps import nanoseconds_of, seconds_of
 from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.base.managed_node import ManagedNode
-from doormill_ros.nodes.base.reporting_node import ERROR, OK, NodeParameter
+from doormill_ros.nodes.base.node_parameter import NodeParameter
+from doormill_ros.nodes.base.reporting_node import ERROR, OK
 from doormill_ros.nodes.base.robots import ROBOTS
 from doormill_ros.nodes.clients.operator_control import ACTION, ActionControl
 from doormill_ros.nodes.convert.planned_times import planned_times_of

@@ -24,7 +24,8 @@ from doormill_ros.models.store import store_folder
 from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.base.frame_publisher import FramePublisher
 from doormill_ros.nodes.base.managed_node import ManagedNode
-from doormill_ros.nodes.base.reporting_node import OK, WARN, NodeParameter
+from doormill_ros.nodes.base.node_parameter import NodeParameter
+from doormill_ros.nodes.base.reporting_node import OK, WARN
 from doormill_ros.nodes.base.robots import ROBOTS
 from doormill_ros.nodes.convert.geometry import path_message, pose_message
 from doormill_ros.nodes.convert.markers import body_markers, no_markers, program_markers

@@ -14,7 +14,8 @@ from doormill_ros.cell.node_names import RECIPE_DATABASE
 from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.base.managed_node import ManagedNode
 from doormill_ros.nodes.base.named_door import check_named_once
-from doormill_ros.nodes.base.reporting_node import OK, NodeParameter
+from doormill_ros.nodes.base.node_parameter import NodeParameter
+from doormill_ros.nodes.base.reporting_node import OK
 from doormill_ros.nodes.convert.recipe import recipe_message, summary_message
 from doormill_ros.nodes.milling.tool_wear import ToolWear
 from doormill_ros.nodes.process.run import run_nodes

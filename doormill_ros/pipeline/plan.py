@@ -21,11 +21,11 @@ from doormill_ros.robot_model.warmth.work_times import WorkTimes
 from doormill_ros.toolpath.beside import place_of
 from doormill_ros.toolpath.door_plan import door_plan, whole_door
 from doormill_ros.toolpath.generate import generate_program
+from doormill_ros.toolpath.pacing.timing import motion_times, program_time
 from doormill_ros.toolpath.placement import check_placement
 from doormill_ros.toolpath.program import MillingProgram
 from doormill_ros.toolpath.settings import PathSettings, load_settings
 from doormill_ros.toolpath.split import Share, share_of
-from doormill_ros.toolpath.timing import motion_times, program_time
 
 REHEARSED = "standard_door"
 

@@ -15,8 +15,8 @@ from doormill_ros.frames import inverse
 from doormill_ros.robot.bodies import Body, load_bodies
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.urdf import link_poses
+from doormill_ros.toolpath.mills.waiting_tools import waiting_tools
 from doormill_ros.toolpath.settings import PathSettings
-from doormill_ros.toolpath.waiting_tools import waiting_tools
 
 OTHER = "other robot's"  #: before the names of its bodies
 

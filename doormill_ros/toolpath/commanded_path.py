@@ -12,8 +12,8 @@ from scipy.spatial.transform import Rotation, Slerp
 from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.correction.compensate import compensate
 from doormill_ros.robot.kinematics import Kinematics
-from doormill_ros.toolpath.arcs import STRAIGHT, circles
-from doormill_ros.toolpath.curve import Arc, Curve, Line, arc_through
+from doormill_ros.toolpath.curves.arcs import STRAIGHT, circles
+from doormill_ros.toolpath.curves.curve import Arc, Curve, Line, arc_through
 from doormill_ros.toolpath.program import AT_POINTS, MillingProgram, Motion, MotionKind, Target
 
 STEP = 5e-4  #: of the tool between two samples in the wood, at most [m]

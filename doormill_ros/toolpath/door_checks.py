@@ -11,9 +11,9 @@ from doormill_ros.recipes.features.registry import time_budgets
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.singularity import clearance
+from doormill_ros.toolpath.pacing.timing import feature_times, motion_times, program_time
 from doormill_ros.toolpath.program import MillingProgram, MotionKind
 from doormill_ros.toolpath.settings import PathSettings, load_settings
-from doormill_ros.toolpath.timing import feature_times, motion_times, program_time
 from doormill_ros.units import m_to_mm, rad_to_deg
 
 

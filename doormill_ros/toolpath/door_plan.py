@@ -16,15 +16,15 @@ from doormill_ros.recipes.door import R_DOOR_FEATURE, R_FEATURE_TOOL, Material, 
 from doormill_ros.recipes.features.base import Feature
 from doormill_ros.recipes.program import Program, fits_path_20
 from doormill_ros.recipes.recipe import Recipe
-from doormill_ros.toolpath.curve import Line
-from doormill_ros.toolpath.engagement import with_forces
+from doormill_ros.toolpath.curves.curve import Line
+from doormill_ros.toolpath.cuts.engagement import with_forces
+from doormill_ros.toolpath.cuts.operation import Operation, operation
+from doormill_ros.toolpath.cuts.pocket import pocket_steps
+from doormill_ros.toolpath.cuts.thesis_path import thesis_plan
 from doormill_ros.toolpath.errors import NothingToMillError
-from doormill_ros.toolpath.operation import Operation, operation
 from doormill_ros.toolpath.plan import Plan, Step
-from doormill_ros.toolpath.pocket import pocket_steps
 from doormill_ros.toolpath.program import MotionKind
 from doormill_ros.toolpath.settings import PathSettings
-from doormill_ros.toolpath.thesis_path import thesis_plan
 
 #: The three targets of an arc of Path_20 are corrected apart, by up to 0.2 mm differently. On a circle not much larger
 #: than that the arc through them is another one altogether [m].

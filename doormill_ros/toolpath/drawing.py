@@ -14,8 +14,8 @@ from doormill_ros.recipes.errors import UnreadableFile
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.kinematics import Kinematics
-from doormill_ros.toolpath.arcs import circles
-from doormill_ros.toolpath.curve import arc_about
+from doormill_ros.toolpath.curves.arcs import circles
+from doormill_ros.toolpath.curves.curve import arc_about
 from doormill_ros.toolpath.program import AT_POINTS, MillingProgram, MotionKind
 from doormill_ros.units import m_to_mm
 

@@ -15,23 +15,23 @@ from doormill_ros.recipes.tabled_tool import TabledTool
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot_model.elastic.compliance import ComplianceModel
-from doormill_ros.toolpath.adapt import adapted, straightened
-from doormill_ros.toolpath.arcs import check_arcs, unfollowable
-from doormill_ros.toolpath.assemble import assembled, steps_of
+from doormill_ros.toolpath.air.joint_speed import followable
+from doormill_ros.toolpath.air.route import check_size, route
+from doormill_ros.toolpath.curves.arcs import check_arcs, unfollowable
+from doormill_ros.toolpath.cuts.operation import Operation
 from doormill_ros.toolpath.door_plan import whole_door
 from doormill_ros.toolpath.errors import ToolLengthError
-from doormill_ros.toolpath.joint_speed import followable
-from doormill_ros.toolpath.operation import Operation
-from doormill_ros.toolpath.pace import paced
+from doormill_ros.toolpath.mills.tool_change import RackWays, joined
+from doormill_ros.toolpath.mills.tool_life import check_life
+from doormill_ros.toolpath.mills.tool_order import tool_shares
+from doormill_ros.toolpath.mills.waiting_tools import beside_rack
+from doormill_ros.toolpath.pacing.pace import paced
 from doormill_ros.toolpath.placement import check_placement
 from doormill_ros.toolpath.program import MillingProgram
-from doormill_ros.toolpath.route import check_size, route
 from doormill_ros.toolpath.settings import PathSettings, load_settings
 from doormill_ros.toolpath.stations import stations_of
-from doormill_ros.toolpath.tool_change import RackWays, joined
-from doormill_ros.toolpath.tool_life import check_life
-from doormill_ros.toolpath.tool_order import tool_shares
-from doormill_ros.toolpath.waiting_tools import beside_rack
+from doormill_ros.toolpath.targets.adapt import adapted, straightened
+from doormill_ros.toolpath.targets.assemble import assembled, steps_of
 from doormill_ros.units import m_to_mm
 
 

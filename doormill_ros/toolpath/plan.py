@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.toolpath.curve import Curve
+from doormill_ros.toolpath.curves.curve import Curve
 from doormill_ros.toolpath.program import MotionKind
 
 

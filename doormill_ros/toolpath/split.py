@@ -14,7 +14,7 @@ from doormill_ros.cell.two_robots import FIRST, SECOND
 from doormill_ros.frames import inverse
 from doormill_ros.recipes.door import Side
 from doormill_ros.recipes.recipe import Recipe
-from doormill_ros.toolpath.operation import Operation, operation
+from doormill_ros.toolpath.cuts.operation import Operation, operation
 from doormill_ros.toolpath.settings import PathSettings
 
 _FACED = (Side.FRONT, Side.HINGE_EDGE)

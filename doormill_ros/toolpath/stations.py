@@ -12,7 +12,7 @@ import numpy.typing as npt
 from doormill_ros.arrays import BoolArray, FloatArray, IntArray
 from doormill_ros.correction.loads import Loads
 from doormill_ros.frames import rotate_wrench
-from doormill_ros.toolpath.curve import points_of
+from doormill_ros.toolpath.curves.curve import points_of
 from doormill_ros.toolpath.plan import Step
 from doormill_ros.toolpath.program import MotionKind
 

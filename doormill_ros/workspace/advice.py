@@ -16,12 +16,12 @@ from doormill_ros.frames import transform
 from doormill_ros.recipes.features.hinge_pocket import HingePocket
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.description import Robot
+from doormill_ros.toolpath.air.route import route
 from doormill_ros.toolpath.beside import place_of
 from doormill_ros.toolpath.door_plan import whole_door
-from doormill_ros.toolpath.route import route
+from doormill_ros.toolpath.mills.waiting_tools import beside_rack
 from doormill_ros.toolpath.settings import PathSettings
 from doormill_ros.toolpath.split import split
-from doormill_ros.toolpath.waiting_tools import beside_rack
 from doormill_ros.units import m_to_mm
 from doormill_ros.workspace.doors import DoorRange
 

@@ -17,7 +17,8 @@ from doormill_ros.cell.errors import BadParameterError
 from doormill_ros.nodes.abb_bridge import AbbBridge, caution_of
 from doormill_ros.nodes.base.chosen_values import check_values
 from doormill_ros.nodes.base.managed_node import ManagedNode
-from doormill_ros.nodes.base.reporting_node import NodeParameter, ReportingNode
+from doormill_ros.nodes.base.node_parameter import NodeParameter
+from doormill_ros.nodes.base.reporting_node import ReportingNode
 from doormill_ros.nodes.door_localizer import DoorLocalizer
 from doormill_ros.nodes.model_monitor import ModelMonitor
 from doormill_ros.nodes.one_process.cell import NODES

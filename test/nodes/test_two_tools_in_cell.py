@@ -15,7 +15,7 @@ from doormill_ros.pipeline.plan import load_setup, plan
 from doormill_ros.recipes.store.database import RecipeDatabase
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.resources import resource
-from doormill_ros.toolpath.tool_life import cut_lengths
+from doormill_ros.toolpath.mills.tool_life import cut_lengths
 from support.cell_processes import executable
 from support.two_tools import FILE, face_plate_door, two_tool_door, with_face_plate
 from support.waiting import LIMIT

@@ -10,7 +10,7 @@ from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.toolpath.commanded_path import SAG, STEP, commanded_path
-from doormill_ros.toolpath.pace import ZONES
+from doormill_ros.toolpath.pacing.pace import ZONES
 from support.gauged_shift import commanded
 from support.source_tree import ROOT
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from doormill_ros.frames import apply, transform
-from doormill_ros.toolpath.curve import Line, arc_about, points_of, tangents_of
+from doormill_ros.toolpath.curves.curve import Line, arc_about, points_of, tangents_of
 
 ANGLES = st.floats(0.05, 6.0)
 SIGNS = st.sampled_from([-1.0, 1.0])

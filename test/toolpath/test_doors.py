@@ -8,10 +8,10 @@ import pytest
 
 from doormill_ros.robot_model.extended_model import load_compliance_model
 from doormill_ros.simulation.judge.milled_part import inspect
+from doormill_ros.toolpath.cuts.operation import operation
 from doormill_ros.toolpath.door_checks import check_door, text_table
 from doormill_ros.toolpath.door_plan import door_plan
 from doormill_ros.toolpath.drawing import draw_program, save_png
-from doormill_ros.toolpath.operation import operation
 from doormill_ros.toolpath.program import MotionKind
 from doormill_ros.toolpath.settings import load_settings
 from doormill_ros.toolpath.split import split

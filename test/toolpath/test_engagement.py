@@ -8,9 +8,9 @@ import pytest
 from doormill_ros.correction.cutting_force import COEFFICIENTS, DIRECTIONS, mean_force
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.recipes.door import Material
-from doormill_ros.toolpath.engagement import with_forces
-from doormill_ros.toolpath.operation import operation
-from doormill_ros.toolpath.pocket import pocket_steps
+from doormill_ros.toolpath.cuts.engagement import with_forces
+from doormill_ros.toolpath.cuts.operation import operation
+from doormill_ros.toolpath.cuts.pocket import pocket_steps
 from doormill_ros.toolpath.settings import load_settings
 
 RECIPE = load_recipe("standard_door")

@@ -13,10 +13,10 @@ from doormill_ros.frames import inverse
 from doormill_ros.recipes.cutting import Passes
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.recipes.outline import RoundedRectangle
-from doormill_ros.toolpath.curve import Arc, Line, arc_about, arc_through
-from doormill_ros.toolpath.entry import descent, straight_descent
-from doormill_ros.toolpath.operation import operation
-from doormill_ros.toolpath.pocket import pocket_steps
+from doormill_ros.toolpath.curves.curve import Arc, Line, arc_about, arc_through
+from doormill_ros.toolpath.cuts.entry import descent, straight_descent
+from doormill_ros.toolpath.cuts.operation import operation
+from doormill_ros.toolpath.cuts.pocket import pocket_steps
 from doormill_ros.toolpath.settings import load_settings
 
 RECIPE = load_recipe("standard_door")

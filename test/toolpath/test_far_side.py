@@ -7,9 +7,9 @@ import pytest
 
 from doormill_ros.cell.backing import Board
 from doormill_ros.recipes.door import Side
+from doormill_ros.toolpath.air.far_side import check_far_side
+from doormill_ros.toolpath.cuts.operation import operation
 from doormill_ros.toolpath.errors import ToolFitError, UnbackedHoleError
-from doormill_ros.toolpath.far_side import check_far_side
-from doormill_ros.toolpath.operation import operation
 from doormill_ros.toolpath.settings import load_settings
 from doormill_ros.toolpath.split import split
 from support.doors import door_with

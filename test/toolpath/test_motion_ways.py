@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from doormill_ros.robot.configuration import ConfData
-from doormill_ros.toolpath.arcs import circles
-from doormill_ros.toolpath.motion_ways import motion_ways, tool_at_points
+from doormill_ros.toolpath.curves.arcs import circles
+from doormill_ros.toolpath.curves.motion_ways import motion_ways, tool_at_points
+from doormill_ros.toolpath.pacing.timing import motion_times
 from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target
 from doormill_ros.toolpath.settings import load_settings
-from doormill_ros.toolpath.timing import motion_times
 
 
 @pytest.fixture(scope="module")

@@ -14,11 +14,11 @@ from doormill_ros.frames import apply, inverse
 from doormill_ros.recipes.cutting import Direction, Passes
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.recipes.features.hinge_pocket import LeafHinge, OutlinePoints
+from doormill_ros.toolpath.cuts.operation import operation
+from doormill_ros.toolpath.cuts.pocket import pocket_steps
+from doormill_ros.toolpath.cuts.rings import levels, rings
 from doormill_ros.toolpath.errors import ToolFitError
-from doormill_ros.toolpath.operation import operation
-from doormill_ros.toolpath.pocket import pocket_steps
 from doormill_ros.toolpath.program import MotionKind
-from doormill_ros.toolpath.rings import levels, rings
 from doormill_ros.toolpath.settings import load_settings
 from support.doors import exactly_known
 

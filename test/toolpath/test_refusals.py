@@ -19,12 +19,12 @@ from doormill_ros.robot.bodies import Body
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot_model.elastic.joint_springs import JointSpringModel
 from doormill_ros.toolpath import errors
-from doormill_ros.toolpath.arcs import check_arcs
-from doormill_ros.toolpath.clearance import check_air
+from doormill_ros.toolpath.air.clearance import check_air
+from doormill_ros.toolpath.air.route import route
+from doormill_ros.toolpath.curves.arcs import check_arcs
+from doormill_ros.toolpath.cuts.operation import operation
 from doormill_ros.toolpath.door_checks import check_door
-from doormill_ros.toolpath.operation import operation
 from doormill_ros.toolpath.program import MillingProgram, MotionKind
-from doormill_ros.toolpath.route import route
 from doormill_ros.toolpath.settings import load_settings
 from doormill_ros.toolpath.split import split
 from support.cycle import require_cycle

@@ -17,8 +17,8 @@ from doormill_ros.simulation.judge.bodies import load_cell
 from doormill_ros.simulation.judge.judge import judge
 from doormill_ros.toolpath import errors
 from doormill_ros.toolpath.door_plan import whole_door
+from doormill_ros.toolpath.mills.tool_order import tool_shares
 from doormill_ros.toolpath.program import RACK_KINDS, MotionKind
-from doormill_ros.toolpath.tool_order import tool_shares
 from support.file_run import run_file
 from support.judged_doors import draw, rigid
 from support.two_tools import table, two_tool_door

@@ -12,8 +12,8 @@ from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.recipes.tabled_tool import TabledTool
 from doormill_ros.toolpath.errors import ToolLengthError, ToolLifeError
+from doormill_ros.toolpath.mills.tool_life import cut_lengths
 from doormill_ros.toolpath.settings import load_settings
-from doormill_ros.toolpath.tool_life import cut_lengths
 
 NOSE = load_settings().approach.nose
 RUN = "20261122T002931290381Z"

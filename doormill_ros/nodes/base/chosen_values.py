@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from doormill_ros.cell.errors import BadParameterError
-from doormill_ros.nodes.base.reporting_node import AT_START, NodeParameter, ReportingNode
+from doormill_ros.nodes.base.node_parameter import NodeParameter
+from doormill_ros.nodes.base.reporting_node import AT_START, ReportingNode
 
 
 def check_values(node: str, kind: type[ReportingNode], values: Mapping[str, object]) -> None:

@@ -14,7 +14,8 @@ from rclpy.serialization import deserialize_message, serialize_message
 from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.base.alive import alive_topic
 from doormill_ros.nodes.base.nested_messages import reading
-from doormill_ros.nodes.base.reporting_node import OK, WARN, NodeParameter, ReportingNode
+from doormill_ros.nodes.base.node_parameter import NodeParameter
+from doormill_ros.nodes.base.reporting_node import OK, WARN, ReportingNode
 
 AUTOSTART = NodeParameter("autostart", True, "configure and activate at start-up")  #: of every node
 RETRY_PERIOD = 2.0  # s

@@ -12,7 +12,7 @@ from doormill_ros.abb.link_errors import LinkError, UnknownSignalError
 from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.base.looking_thread import LookingThread
 from doormill_ros.nodes.base.managed_node import ManagedNode
-from doormill_ros.nodes.base.reporting_node import NodeParameter
+from doormill_ros.nodes.base.node_parameter import NodeParameter
 
 SPINDLE_PARAMETER = NodeParameter(
     "spindle_load_period",

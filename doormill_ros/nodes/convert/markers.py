@@ -14,9 +14,9 @@ from doormill_ros.nodes.convert.geometry import pose_message
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.bodies import Body, load_bodies
 from doormill_ros.robot.description import Robot
+from doormill_ros.toolpath.mills.waiting_tools import waiting_tools
 from doormill_ros.toolpath.program import AT_POINTS, MillingProgram
 from doormill_ros.toolpath.settings import PathSettings
-from doormill_ros.toolpath.waiting_tools import waiting_tools
 
 NOMINAL = ColorRGBA(r=0.55, g=0.55, b=0.55, a=1.0)
 CORRECTED = ColorRGBA(r=0.10, g=0.45, b=0.85, a=1.0)

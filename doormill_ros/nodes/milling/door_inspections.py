@@ -9,7 +9,7 @@ from doormill_ros.cell.inspection import MeasuredDoor
 from doormill_ros.messages.from_message import gauged_of, inspection_of
 from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.base.managed_node import ManagedNode
-from doormill_ros.nodes.base.reporting_node import NodeParameter
+from doormill_ros.nodes.base.node_parameter import NodeParameter
 
 GAUGE_PARAMETER = NodeParameter(
     "gauge",

@@ -14,7 +14,7 @@ from doormill_ros.nodes.base.robots import ROBOTS
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.recipes.store.tool_table import ToolTable
 from doormill_ros.recipes.tabled_tool import TabledTool
-from doormill_ros.toolpath.tool_life import cut_lengths
+from doormill_ros.toolpath.mills.tool_life import cut_lengths
 
 #: Once the robot has taken its file a run counts whole: how far it came before it broke off nobody knows.
 TAKEN = (HandshakeState.MILLING.value, HandshakeState.DONE.value)

@@ -11,7 +11,7 @@ from functools import partial
 from typing import Any, cast
 
 from doormill_ros.nodes.base.managed_node import AUTOSTART, ManagedNode
-from doormill_ros.nodes.base.reporting_node import NodeParameter
+from doormill_ros.nodes.base.node_parameter import NodeParameter
 from doormill_ros.resources import resource
 
 NODES_FILE = "config/nodes.yaml"  #: parameters that every executable is started with

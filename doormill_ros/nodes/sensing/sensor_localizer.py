@@ -14,7 +14,8 @@ from doormill_ros.localization.sensors.registry import SENSORS
 from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.base.frame_publisher import FramePublisher
 from doormill_ros.nodes.base.managed_node import ManagedNode
-from doormill_ros.nodes.base.reporting_node import OK, WARN, NodeParameter
+from doormill_ros.nodes.base.node_parameter import NodeParameter
+from doormill_ros.nodes.base.reporting_node import OK, WARN
 from doormill_ros.nodes.sensing.pose_teller import PoseTeller
 from doormill_ros.nodes.sensing.sensors_parameter import SENSORS_PARAMETER
 from doormill_ros.pipeline.sense import sense

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from doormill_ros.nodes.base.reporting_node import NodeParameter
+from doormill_ros.nodes.base.node_parameter import NodeParameter
 
 SENSORS_PARAMETER = NodeParameter(
     "sensors",

@@ -17,7 +17,8 @@ from doormill_ros.cell.node_names import CAMERA_SIMULATOR
 from doormill_ros.frames import BASE_FRAME, CAMERA_FRAME
 from doormill_ros.messages.from_message import recipe_of
 from doormill_ros.nodes.base import topics
-from doormill_ros.nodes.base.reporting_node import OK, NodeParameter
+from doormill_ros.nodes.base.node_parameter import NodeParameter
+from doormill_ros.nodes.base.reporting_node import OK
 from doormill_ros.nodes.convert.geometry import pose_message
 from doormill_ros.nodes.convert.picture import camera_info_message, picture_message
 from doormill_ros.nodes.sensing.requested_camera import RequestedCamera

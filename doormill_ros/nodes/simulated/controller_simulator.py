@@ -21,7 +21,8 @@ from doormill_ros.measurements.inspection_writer import MeasuredPoints, write_in
 from doormill_ros.messages.from_message import program_of, recipe_of, transform_of
 from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.base.managed_node import ManagedNode
-from doormill_ros.nodes.base.reporting_node import OK, NodeParameter
+from doormill_ros.nodes.base.node_parameter import NodeParameter
+from doormill_ros.nodes.base.reporting_node import OK
 from doormill_ros.nodes.convert.executed import executed_message, milled_message, verdict_message
 from doormill_ros.nodes.convert.inspection import inspection_message
 from doormill_ros.nodes.simulated.simulated_shift import WORLD_PARAMETERS, SimulatedShift

@@ -14,7 +14,8 @@ from doormill_ros.cell.node_names import SENSOR_SIMULATOR
 from doormill_ros.frames import BASE_FRAME
 from doormill_ros.messages.from_message import recipe_of, transform_of
 from doormill_ros.nodes.base import topics
-from doormill_ros.nodes.base.reporting_node import OK, NodeParameter
+from doormill_ros.nodes.base.node_parameter import NodeParameter
+from doormill_ros.nodes.base.reporting_node import OK
 from doormill_ros.nodes.convert.sensing import reading_message
 from doormill_ros.nodes.sensing.requested_sensor import RequestedSensor
 from doormill_ros.nodes.sensing.sensors_parameter import SENSORS_PARAMETER

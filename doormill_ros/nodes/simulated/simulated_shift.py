@@ -7,7 +7,7 @@ from pathlib import Path
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import load_layout
-from doormill_ros.nodes.base.reporting_node import NodeParameter
+from doormill_ros.nodes.base.node_parameter import NodeParameter
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.description import load_robot
 from doormill_ros.simulation.controller.executed_path import ExecutedPath

@@ -9,7 +9,7 @@ from doormill_ros.correction.cutting_force import COEFFICIENTS
 from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.recipes.program import Program
 from doormill_ros.robot.description import load_robot
-from doormill_ros.toolpath.refine import FLAT_ARC
+from doormill_ros.toolpath.targets.refine import FLAT_ARC
 from support.milled_worlds import WORLDS
 from support.page_figures import number_of
 

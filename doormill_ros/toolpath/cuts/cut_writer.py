@@ -10,8 +10,8 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.recipes.features.base import CLEARING, PLUNGE
-from doormill_ros.toolpath.curve import Curve, Line
-from doormill_ros.toolpath.operation import Operation
+from doormill_ros.toolpath.curves.curve import Curve, Line
+from doormill_ros.toolpath.cuts.operation import Operation
 from doormill_ros.toolpath.plan import Step
 from doormill_ros.toolpath.program import MotionKind
 from doormill_ros.toolpath.settings import PathSettings

@@ -10,8 +10,8 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.backing import Board
 from doormill_ros.recipes.door import DoorSize, Side
 from doormill_ros.recipes.features.base import BREAKTHROUGH
+from doormill_ros.toolpath.cuts.operation import Operation
 from doormill_ros.toolpath.errors import UnbackedHoleError
-from doormill_ros.toolpath.operation import Operation
 from doormill_ros.units import m_to_mm
 
 RIM = 0.003  #: a board reaches this far beyond the rim of a hole [m]

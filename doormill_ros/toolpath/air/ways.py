@@ -16,11 +16,11 @@ from doormill_ros.frames import inverse
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.inverse import inverse_near
 from doormill_ros.robot.kinematics import Kinematics
-from doormill_ros.toolpath.clearance import between_features, check_feature, facts, meeting
+from doormill_ros.toolpath.air.clearance import between_features, check_feature, facts, meeting
+from doormill_ros.toolpath.air.reach import JointPath
+from doormill_ros.toolpath.cuts.operation import Operation
 from doormill_ros.toolpath.errors import HomeContactError, NoWayError
-from doormill_ros.toolpath.operation import Operation
 from doormill_ros.toolpath.plan import Plan
-from doormill_ros.toolpath.reach import JointPath
 from doormill_ros.toolpath.settings import PathSettings
 
 ARM = slice(1, 3)  #: joints that draw the tool back: 2 and 3

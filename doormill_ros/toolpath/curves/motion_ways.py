@@ -10,7 +10,7 @@ from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.frames import inverse
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.kinematics import Kinematics
-from doormill_ros.toolpath.arcs import circles
+from doormill_ros.toolpath.curves.arcs import circles
 from doormill_ros.toolpath.program import AT_POINTS, MillingProgram, MotionKind
 
 

@@ -9,12 +9,12 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.correction.loaded_robot import LoadedRobot
-from doormill_ros.toolpath.curve import Arc, Line
+from doormill_ros.toolpath.curves.curve import Arc, Line
 from doormill_ros.toolpath.plan import Plan, Step
 from doormill_ros.toolpath.program import MotionKind
-from doormill_ros.toolpath.refine import Division, bends, divide
 from doormill_ros.toolpath.settings import Correction
 from doormill_ros.toolpath.stations import FRACTIONS, Stations, directions, stations_of
+from doormill_ros.toolpath.targets.refine import Division, bends, divide
 
 DIRECTION_ROUNDS = 3  #: the correction itself may turn a joint that hardly moves
 TALLEST_FLAT_ARC = 1e-4  #: arcs up to this height may become two chords, which leave a quarter of it [m]

@@ -17,13 +17,13 @@ from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.inverse import inverse_near
 from doormill_ros.robot.kinematics import Kinematics
-from doormill_ros.toolpath.assemble import MOST_POINTS
-from doormill_ros.toolpath.clearance import facts, meeting
+from doormill_ros.toolpath.air.clearance import facts, meeting
+from doormill_ros.toolpath.air.route import door_world
 from doormill_ros.toolpath.errors import NoWayError, ProgramSizeError
+from doormill_ros.toolpath.mills.waiting_tools import NO_TOOL, beside_rack, tool_name
 from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target
-from doormill_ros.toolpath.route import door_world
 from doormill_ros.toolpath.settings import PathSettings
-from doormill_ros.toolpath.waiting_tools import NO_TOOL, beside_rack, tool_name
+from doormill_ros.toolpath.targets.assemble import MOST_POINTS
 
 SEAT_SAMPLES = 21  #: postures between the front of a place and its seat
 

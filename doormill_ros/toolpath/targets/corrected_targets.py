@@ -8,14 +8,14 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.correction.loaded_robot import LoadedRobot
 from doormill_ros.robot.configuration import configurations
 from doormill_ros.robot.description import Robot
-from doormill_ros.toolpath.adapt import DIRECTION_ROUNDS
-from doormill_ros.toolpath.doubt import check_expected, expected_errors
 from doormill_ros.toolpath.errors import CorrectionLimitError, CorrectionSettleError
-from doormill_ros.toolpath.itinerary import Itinerary, decisive, shift_along
 from doormill_ros.toolpath.plan import Plan
 from doormill_ros.toolpath.program import Target
 from doormill_ros.toolpath.settings import PathSettings
 from doormill_ros.toolpath.stations import Stations, directions
+from doormill_ros.toolpath.targets.adapt import DIRECTION_ROUNDS
+from doormill_ros.toolpath.targets.doubt import check_expected, expected_errors
+from doormill_ros.toolpath.targets.itinerary import Itinerary, decisive, shift_along
 from doormill_ros.units import m_to_mm
 
 UNSETTLED = 5e-5  #: residual that a step in the model may leave on a target [m]

@@ -11,15 +11,15 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import cross
 from doormill_ros.recipes.features.base import CLEARING
-from doormill_ros.toolpath.arcs import SMALLEST_CHORD
-from doormill_ros.toolpath.curve import Arc, Curve, Line, arc_about
-from doormill_ros.toolpath.cut_writer import ABOVE_FLOOR, NEAR, CutWriter
-from doormill_ros.toolpath.entry import centred, descent, head_room, straight_descent
+from doormill_ros.toolpath.curves.arcs import SMALLEST_CHORD
+from doormill_ros.toolpath.curves.curve import Arc, Curve, Line, arc_about
+from doormill_ros.toolpath.cuts.cut_writer import ABOVE_FLOOR, NEAR, CutWriter
+from doormill_ros.toolpath.cuts.entry import centred, descent, head_room, straight_descent
+from doormill_ros.toolpath.cuts.operation import Operation, from_line_near, from_longest_line
+from doormill_ros.toolpath.cuts.rings import levels, rings
 from doormill_ros.toolpath.errors import ToolFitError
-from doormill_ros.toolpath.operation import Operation, from_line_near, from_longest_line
-from doormill_ros.toolpath.pace import ZONES, eased, zone_of
+from doormill_ros.toolpath.pacing.pace import ZONES, eased, zone_of
 from doormill_ros.toolpath.plan import Step
-from doormill_ros.toolpath.rings import levels, rings
 from doormill_ros.toolpath.settings import PathSettings
 from doormill_ros.units import deg_to_rad, m_to_mm
 

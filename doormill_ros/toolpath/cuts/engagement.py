@@ -19,8 +19,8 @@ from doormill_ros.correction.cutting_force import (
 )
 from doormill_ros.frames import apply, inverse
 from doormill_ros.recipes.door import R_FEATURE_TOOL, Material
-from doormill_ros.toolpath.curve import Arc, points_of, tangents_of
-from doormill_ros.toolpath.operation import Operation
+from doormill_ros.toolpath.curves.curve import Arc, points_of, tangents_of
+from doormill_ros.toolpath.cuts.operation import Operation
 from doormill_ros.toolpath.plan import Step
 from doormill_ros.units import deg_to_rad
 

@@ -11,14 +11,14 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.correction.loaded_robot import LoadedRobot
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.description import Robot
-from doormill_ros.toolpath.corrected_targets import corrected_targets
+from doormill_ros.toolpath.air.route import check_size
 from doormill_ros.toolpath.errors import ProgramSizeError
-from doormill_ros.toolpath.itinerary import Itinerary, itinerary
 from doormill_ros.toolpath.plan import Plan, Step
 from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind
-from doormill_ros.toolpath.route import check_size
 from doormill_ros.toolpath.settings import PathSettings
 from doormill_ros.toolpath.stations import Stations
+from doormill_ros.toolpath.targets.corrected_targets import corrected_targets
+from doormill_ros.toolpath.targets.itinerary import Itinerary, itinerary
 
 MOST_POINTS = 500  #: points of joint space that a controller keeps
 

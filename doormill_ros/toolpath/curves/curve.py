@@ -11,7 +11,7 @@ import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray, IntArray
 from doormill_ros.frames import cross
-from doormill_ros.toolpath.plain_vectors import plain_cross, plain_dot
+from doormill_ros.toolpath.curves.plain_vectors import plain_cross, plain_dot
 
 
 @dataclass(frozen=True, eq=False)

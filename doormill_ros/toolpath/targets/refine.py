@@ -11,7 +11,7 @@ import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray, IntArray
 from doormill_ros.frames import cross
-from doormill_ros.toolpath.curve import Arc, Line
+from doormill_ros.toolpath.curves.curve import Arc, Line
 from doormill_ros.toolpath.plan import Step
 from doormill_ros.toolpath.program import MotionKind
 from doormill_ros.toolpath.settings import Correction

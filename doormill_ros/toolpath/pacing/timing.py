@@ -11,7 +11,7 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import inverse
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.kinematics import Kinematics
-from doormill_ros.toolpath.motion_ways import motion_ways, tool_at_points
+from doormill_ros.toolpath.curves.motion_ways import motion_ways, tool_at_points
 from doormill_ros.toolpath.program import AT_POINTS, RACK_KINDS, MillingProgram, Motion, MotionKind
 from doormill_ros.toolpath.settings import Cycle
 

@@ -15,7 +15,11 @@ from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.configuration import configuration_index
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.inverse import BRANCHES
-from doormill_ros.toolpath.clearance import check_air, check_holder
+from doormill_ros.toolpath.air.clearance import check_air, check_holder
+from doormill_ros.toolpath.air.far_side import check_far_side
+from doormill_ros.toolpath.air.reach import JointPath, joint_path
+from doormill_ros.toolpath.air.ways import with_ways
+from doormill_ros.toolpath.cuts.operation import Operation
 from doormill_ros.toolpath.door_plan import door_plan
 from doormill_ros.toolpath.errors import (
     AirMoveError,
@@ -27,12 +31,8 @@ from doormill_ros.toolpath.errors import (
     PathSingularityError,
     ProgramSizeError,
 )
-from doormill_ros.toolpath.far_side import check_far_side
-from doormill_ros.toolpath.operation import Operation
 from doormill_ros.toolpath.plan import Plan
-from doormill_ros.toolpath.reach import JointPath, joint_path
 from doormill_ros.toolpath.settings import PathSettings
-from doormill_ros.toolpath.ways import with_ways
 
 _CURABLE = (
     PathSingularityError,

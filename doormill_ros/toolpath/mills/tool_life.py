@@ -5,8 +5,8 @@ from __future__ import annotations
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.recipes.tabled_tool import TabledTool
 from doormill_ros.toolpath.errors import ToolLifeError
+from doormill_ros.toolpath.pacing.timing import motion_lengths
 from doormill_ros.toolpath.program import MillingProgram
-from doormill_ros.toolpath.timing import motion_lengths
 
 
 def cut_lengths(program: MillingProgram, recipe: Recipe) -> dict[str, float]:

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.recipes.features.hinge_pocket import OblongHinge
-from doormill_ros.toolpath.curve import Line
-from doormill_ros.toolpath.operation import Operation
+from doormill_ros.toolpath.curves.curve import Line
+from doormill_ros.toolpath.cuts.operation import Operation
 from doormill_ros.toolpath.plan import Plan, Step
 from doormill_ros.toolpath.program import MotionKind
 from doormill_ros.toolpath.settings import PathSettings

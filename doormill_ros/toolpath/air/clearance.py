@@ -14,11 +14,11 @@ from doormill_ros.frames import cross
 from doormill_ros.recipes.features.base import Feature
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.inverse import inverse_near
+from doormill_ros.toolpath.air.reach import JointPath
+from doormill_ros.toolpath.cuts.operation import Operation
 from doormill_ros.toolpath.errors import AirMoveError, BodyContactError, HolderError, ReachError
-from doormill_ros.toolpath.operation import Operation
 from doormill_ros.toolpath.plan import Step
 from doormill_ros.toolpath.program import MotionKind
-from doormill_ros.toolpath.reach import JointPath
 from doormill_ros.toolpath.settings import Approach
 from doormill_ros.units import m_to_mm
 

@@ -14,7 +14,7 @@ from doormill_ros.recipes.cutting import Direction
 from doormill_ros.recipes.door import R_FEATURE_TOOL, DoorSize, Side
 from doormill_ros.recipes.features.base import Feature
 from doormill_ros.recipes.outline import Segment
-from doormill_ros.toolpath.curve import Curve, Line, arc_about
+from doormill_ros.toolpath.curves.curve import Curve, Line, arc_about
 from doormill_ros.toolpath.errors import ToolFitError
 from doormill_ros.units import m_to_mm
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import cross
+from doormill_ros.toolpath.curves.plain_vectors import plain_cross, plain_dot
 from doormill_ros.toolpath.errors import ArcError
-from doormill_ros.toolpath.plain_vectors import plain_cross, plain_dot
 from doormill_ros.toolpath.program import MillingProgram
 from doormill_ros.units import deg_to_rad, m_to_mm, rad_to_deg
 

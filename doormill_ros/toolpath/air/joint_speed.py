@@ -8,10 +8,10 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot.description import Robot
+from doormill_ros.toolpath.air.reach import JointPath
 from doormill_ros.toolpath.errors import JointSpeedError, PathError
 from doormill_ros.toolpath.plan import Step
 from doormill_ros.toolpath.program import MotionKind
-from doormill_ros.toolpath.reach import JointPath
 from doormill_ros.toolpath.settings import Checks
 from doormill_ros.units import m_to_mm, rad_to_deg
 

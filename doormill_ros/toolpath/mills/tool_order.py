@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from doormill_ros.cell.rack import Rack
+from doormill_ros.toolpath.cuts.operation import Operation
 from doormill_ros.toolpath.errors import PathError, ToolChangeError, ToolPlaceError
-from doormill_ros.toolpath.operation import Operation
 
 
 @dataclass(frozen=True, eq=False)

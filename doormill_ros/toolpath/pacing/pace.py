@@ -10,9 +10,9 @@ from dataclasses import replace
 import numpy as np
 
 from doormill_ros.robot.description import Robot
-from doormill_ros.toolpath.arcs import turn_between, turns_between
-from doormill_ros.toolpath.curve import Arc
-from doormill_ros.toolpath.motion_ways import motion_ways, tool_at_points
+from doormill_ros.toolpath.curves.arcs import turn_between, turns_between
+from doormill_ros.toolpath.curves.curve import Arc
+from doormill_ros.toolpath.curves.motion_ways import motion_ways, tool_at_points
 from doormill_ros.toolpath.plan import Step
 from doormill_ros.toolpath.program import MillingProgram
 from doormill_ros.toolpath.settings import PathSettings

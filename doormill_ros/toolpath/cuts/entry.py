@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.toolpath.curve import Curve, Line, arc_through
+from doormill_ros.toolpath.curves.curve import Curve, Line, arc_through
 
 Pieces = Sequence[tuple[Curve, str]]
 SHORT = 0.005  #: pieces of a straight line that are left or begun are longer than this, if the line is [m]

@@ -1,0 +1,1 @@
+"""Lines and arcs, and what the tool goes along."""

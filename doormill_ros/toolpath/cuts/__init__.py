@@ -1,0 +1,1 @@
+"""From a feature to the steps that mill it."""

@@ -1,0 +1,1 @@
+"""Which mill cuts what: order, changes at the rack, wear."""

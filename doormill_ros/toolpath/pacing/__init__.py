@@ -1,0 +1,1 @@
+"""How fast: feeds and corners that a controller can follow, and how long a program takes."""

@@ -1,0 +1,1 @@
+"""From steps to corrected targets, and those to a program."""
