@@ -25,6 +25,7 @@ TOGETHER = 0.25e-3  #: a strip that ends so near to the other edge ends with it 
 _UNCLEAR = 1.0e-3  # between two places where a strip seems to end [m]
 #: Where a strip's end is looked for that is to be placed exactly, beyond and within the other edge [m].
 CLOSE = (-1.2e-3, 1.5e-3)
+_MITRED = 0.5e-3, 0.3  # a strip cut off aslant is left so far from where it begins [m], and by that share of its width
 _TOLD, _AS_FLUSH = 0.06e-3, 0.33  # a bevel's end is seen from so far out [m], and a strip's nearer is flush
 
 
@@ -136,6 +137,15 @@ class EdgeLayers:
             ends.append(at - across.at(float(place.mean())))
         bevelled = self._bevelled(k, other)
         return bevelled > _TOLD and abs(ends[0] - ends[1]) < _AS_FLUSH * bevelled
+
+    def mitred(self, k: int, other: EdgeLayers) -> bool:
+        """Whether strip k, which ends at the other edge, is cut off aslant there: bevels meet in a mitre."""
+        strip = self.strips[k]
+        if not self.ends[k] or strip.end is None or not np.isfinite(strip.left):
+            return False
+        places = (strip.end, *(line.at(strip.middle) for line in other.lines))
+        apart = min(abs(strip.left - place) for place in places)
+        return apart > max(_MITRED[0], _MITRED[1] * self.width(k))
 
     def _bevelled(self, k: int, other: EdgeLayers) -> float:
         """How far from the face's own end strip k would seem to end if it were a bevel of 45 degrees [m]."""
