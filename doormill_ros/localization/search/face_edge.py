@@ -134,11 +134,14 @@ def _framed(one: EdgeLayers, other: EdgeLayers) -> bool:
         return False
     k, j = one.first - 1, other.first - 1
     mine, its = one.against_face(one.strips[k].level), other.against_face(other.strips[j].level)
-    one_thing, uncrossed = abs(mine - its) < _CROSSED, _crossed(one, other) is False
+    one_thing, crossed = abs(mine - its) < _CROSSED, _crossed(one, other)
+    uncrossed = crossed is False
     if not (one_thing or uncrossed):
         return False
     behind = _lies_behind(one, k, other, j)
-    return one_thing if behind else uncrossed and behind is None
+    # Strips too faint to tell where they cross are believed unless they differ in width.
+    uneven = crossed is None and abs(one.width(k) - other.width(j)) > 2 * _SHRINKS
+    return one_thing if behind else (uncrossed or uneven) and behind is None
 
 
 def _crossed(one: EdgeLayers, other: EdgeLayers) -> bool | None:

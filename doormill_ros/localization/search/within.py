@@ -27,7 +27,9 @@ _FLOOR = 0.003  # texture that noise alone makes, as a share of the face's brigh
 _SIGNIFICANT = 3.0  # both lines stand out of the texture by so many standard deviations,
 _ALIKE = 4.0  # and their steps differ by less than that factor;
 _SURELY, _AS_LARGE = 5.0, 2.5  # the same two for lines that may be on the face,
-_AS_WIDE = 0.3e-3  # unless they are as far from both edges as those of a lipping are, as far as is seen here [m]
+_AS_WIDE = (
+    0.3e-3  # unless they are as far from both edges as those of a lipping are, as far as is seen here [m]
+)
 _ASKEW = 3.0e-3  # turned by more than that against an edge a line is no lipping's border [rad]
 _SQUARE = 6.0e-3  # the two make a corner when their turns differ by less [rad]
 
