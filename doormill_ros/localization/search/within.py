@@ -16,7 +16,7 @@ from doormill_ros.localization.errors import WrongEdge
 from doormill_ros.localization.search.edge_line import EdgeLine
 from doormill_ros.localization.search.neighbourhood import Neighbourhood
 from doormill_ros.localization.view import BOTTOM, HINGE, FaceView
-from doormill_ros.statistics import NORMAL_STD, median, running_means
+from doormill_ros.statistics import NORMAL_STD, median, row_medians, running_means
 from doormill_ros.units import m_to_mm, rad_to_deg
 
 _PIECE = 8  # rows averaged along an edge
@@ -26,6 +26,7 @@ _LEAST = 0.4  # share of the pieces in which a line must be inside of the edge
 _FLOOR = 0.003  # texture that noise alone makes, as a share of the face's brightness
 _SIGNIFICANT = 3.0  # both lines stand out of the texture by so many standard deviations,
 _ALIKE = 4.0  # and their steps differ by less than that factor;
+_FAINTEST = 0.02  # fainter ones are no surface's border, as a share of the face's brightness
 _SURELY, _AS_LARGE = 5.0, 2.5  # the same two for lines that may be on the face,
 _AS_WIDE = (
     0.3e-3  # unless they are as far from both edges as those of a lipping are, as far as is seen here [m]
@@ -91,7 +92,9 @@ def _scan(beside: Neighbourhood, corner: float) -> _Scan:
     face = face / np.maximum(face.mean(axis=0), 1.0)
     along = np.abs(beside.rows[used].reshape(count, _PIECE).mean(axis=1) - corner)
     means = running_means(face.T, _WING)
-    pieces = np.ascontiguousarray((means[:, _WING:] - means[:, :-_WING]).T[::_EVERY])
+    steps = means[:, _WING:] - means[:, :-_WING]
+    steps -= row_medians(steps)[:, None]  # light that changes across the edge
+    pieces = np.ascontiguousarray(steps.T[::_EVERY])
     shift = np.rint(np.multiply.outer(_turns(), along - along.mean()) / _EVERY).astype(int)
     rim = int(np.abs(shift).max())
     padded = np.full((len(pieces) + 2 * rim, count), np.nan, dtype=np.float32)
@@ -170,6 +173,10 @@ def _pair(hinge: _Scan, bottom: _Scan) -> tuple[tuple[float, float, float], ...]
         return None
     lines = hinge.line(*best[:2]), bottom.line(*best[2:])
     (_, first, step), (_, second, its) = lines
-    if abs(first + second) > _SQUARE or not 1.0 / _ALIKE < step / its < _ALIKE:
+    if (
+        min(abs(step), abs(its)) < _FAINTEST
+        or abs(first + second) > _SQUARE
+        or not 1.0 / _ALIKE < step / its < _ALIKE
+    ):
         return None
     return lines
