@@ -56,7 +56,7 @@ def test_a_second_door_turned_against_the_first_is_told_by_the_corner_within(
 def test_a_second_door_that_shows_by_other_widths_is_not_taken_for_a_lipping(
     hinge, bottom, factor, camera, layout
 ):
-    with pytest.raises(WrongEdge, match="two steps .* may be the hinge edge"):
+    with pytest.raises(WrongEdge, match=r"two steps .* may be the hinge edge"):
         locate(camera, layout, second_door(hinge, bottom, 0.0, factor))
 
 
@@ -69,7 +69,7 @@ def facet(edge, wide, factor):
 @pytest.mark.parametrize("wide", [2.5, 3.0, 4.5])
 @pytest.mark.parametrize(("hinge", "bottom"), [(1.12, 0.72), (0.72, 1.12), (0.72, 0.93), (1.0, 0.5)])
 def test_bevels_that_meet_in_a_mitre_are_not_taken_for_lippings(wide, hinge, bottom, camera, layout):
-    with pytest.raises(WrongEdge, match="two steps .* may be the"):
+    with pytest.raises(WrongEdge, match=r"two steps .* may be the"):
         locate(camera, layout, facet("hinge", wide, hinge), facet("bottom", wide, bottom))
 
 

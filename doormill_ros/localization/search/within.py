@@ -28,9 +28,7 @@ _SIGNIFICANT = 3.0  # both lines stand out of the texture by so many standard de
 _ALIKE = 4.0  # and their steps differ by less than that factor;
 _FAINTEST = 0.02  # fainter ones are no surface's border, as a share of the face's brightness
 _SURELY, _AS_LARGE = 5.0, 2.5  # the same two for lines that may be on the face,
-_AS_WIDE = (
-    0.3e-3  # unless they are as far from both edges as those of a lipping are, as far as is seen here [m]
-)
+_AS_WIDE = 0.3e-3  # unless as far from both edges as a lipping's are, as far as is seen here [m]
 _ASKEW = 3.0e-3  # turned by more than that against an edge a line is no lipping's border [rad]
 _SQUARE = 6.0e-3  # the two make a corner when their turns differ by less [rad]
 
@@ -80,8 +78,7 @@ class _Scan:
 def _turns() -> FloatArray:
     """The turns that are tried, shape (k,) [rad]."""
     number = round(_FURTHEST / _TURN)
-    turns: FloatArray = np.arange(-number, number + 1) * _TURN
-    return turns
+    return np.asarray(np.arange(-number, number + 1) * _TURN, dtype=float)
 
 
 def _scan(beside: Neighbourhood, corner: float) -> _Scan:
