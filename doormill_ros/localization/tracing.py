@@ -22,6 +22,7 @@ from doormill_ros.localization.search.layers import choose
 from doormill_ros.localization.search.neighbourhood import EVERY, WIDE_HALF, Neighbourhood, look_around
 from doormill_ros.localization.search.second_look import check_again
 from doormill_ros.localization.search.stand_ins import check_stretch
+from doormill_ros.localization.search.within import corner_within
 from doormill_ros.localization.settings import LocalizerSettings
 from doormill_ros.localization.view import BOTTOM, EDGES, HINGE, FaceView
 from doormill_ros.statistics import share
@@ -32,6 +33,7 @@ _NARROW_BLUR = 1.5  # px; where another step is near
 # by more than the third, blur and texture are learned again.
 _CAUGHT, _NEAR, _FAR = 1.5, 0.6, 1.2
 _SAME = 0.05  # px between two places of an edge at which surroundings and rows are the same
+_KNOWN = 0.8e-3  # lines so near to one another are one [m]
 _ASIDE = 0.6  # px between line and edge from which rows are read again beside another step
 
 
@@ -191,7 +193,7 @@ def _trace(
         edge: EdgeLine.at_pose(edge, read.pose, read.profiles.step).moved(-borders[edge].shift * view.pixel)
         for edge, read in reads.items()
     }
-    check_again(picture, view, edges, sighted.lines)
+    check_again(picture, view, edges, _with_corner_within(view, reads, sighted.lines))
     out = {}
     for edge, read in reads.items():
         check_stretch(picture, view, read.pose, read.profiles, read.line)
@@ -202,6 +204,22 @@ def _trace(
         pushed = push(beside.face, beside.rows, beside.weights, beside.spread.blur, read.profiles.step)
         line = line.pushed(pushed.place * view.pixel**2, pushed.slope)
         out[edge] = Trace(read.profiles, border.spread, line, read.streaks, not border.shift)
+    return out
+
+
+def _with_corner_within(
+    view: FaceView, reads: dict[str, EdgeRead], seen: dict[str, list[EdgeLine]]
+) -> dict[str, list[EdgeLine]]:
+    """The lines that the search saw, and those of a corner within the one found that it did not see."""
+    edges = {edge: EdgeLine.at_pose(edge, read.pose, read.profiles.step) for edge, read in reads.items()}
+    pose = reads[HINGE].pose
+    within = corner_within(view, pose, {edge: read.beside for edge, read in reads.items()}, edges)
+    corner = {HINGE: float(pose[1]), BOTTOM: float(pose[0])}
+    out = dict(seen)
+    for edge, line in within.items():
+        at = corner[edge]
+        if all(abs(line.at(at) - other.at(at)) > _KNOWN for other in seen[edge]):
+            out[edge] = sorted([*seen[edge], line], key=lambda one: -one.at(at))
     return out
 
 

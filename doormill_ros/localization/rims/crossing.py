@@ -51,7 +51,8 @@ def check_crossing(picture: ByteArray, view: FaceView, pose: FloatArray, blur: f
     raise WrongEdge(
         f"outside of the corner lies a spot {m_to_mm(width * view.pixel):.2f} mm wide and {-spot:.0f} grey levels "
         "darker than the background, as a rim leaves where it crosses itself: along the edges it is as dark as the "
-        "background, and where it ends is not seen; clean the arris, or put another background behind the door",
+        "background, and where it ends is not seen; or the spot is on what stands behind; clean the arris, or put "
+        "another background behind the door",
         edge="bottom",
         marks=(("crossing", view.pixels(pose[:2] + square @ turn.T)),),
     )

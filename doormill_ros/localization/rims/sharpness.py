@@ -50,7 +50,8 @@ def check_sharpness(
     if times > APART:
         raise WrongEdge(
             f"the {softer} edge is {times:.1f} times as soft as the {sharper} edge, allowed are {APART:g}, as one "
-            "lens sees both: what was read there is more than one step; clean the edge or change the light",
+            "lens sees both: what was read there is more than one step, or door or camera moved across it; clean the "
+            "edge, change the light or take the picture at rest",
             edge=softer,
             marks=((softer, drawn(softer)),),
         )

@@ -10,7 +10,7 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.localization.errors import WrongEdge
 from doormill_ros.localization.search.edge_line import EdgeLine
 from doormill_ros.localization.search.shade import BESIDE, PITCH, WELL, Surfaces
-from doormill_ros.localization.search.strips import ACROSS, LEAST, EdgeStrip, read_strip
+from doormill_ros.localization.search.strips import ACROSS, LEAST, EdgeStrip, read_slant, read_strip
 from doormill_ros.localization.view import HINGE
 from doormill_ros.statistics import median
 from doormill_ros.units import m_to_mm
@@ -25,6 +25,11 @@ TOGETHER = 0.25e-3  #: a strip that ends so near to the other edge ends with it 
 _UNCLEAR = 1.0e-3  # between two places where a strip seems to end [m]
 #: Where a strip's end is looked for that is to be placed exactly, beyond and within the other edge [m].
 CLOSE = (-1.2e-3, 1.5e-3)
+_MITRED = (
+    0.5e-3,
+    0.3,
+)  # a strip cut off aslant is left so far from where it begins [m], and by that share of its width
+_ASLANT = 0.4, 2.5  # how far it goes on along the strip over how far across it
 _TOLD, _AS_FLUSH = 0.06e-3, 0.33  # a bevel's end is seen from so far out [m], and a strip's nearer is flush
 
 
@@ -136,6 +141,19 @@ class EdgeLayers:
             ends.append(at - across.at(float(place.mean())))
         bevelled = self._bevelled(k, other)
         return bevelled > _TOLD and abs(ends[0] - ends[1]) < _AS_FLUSH * bevelled
+
+    def mitred(self, k: int, other: EdgeLayers) -> bool:
+        """Whether strip k, which ends at the other edge, is cut off aslant there: bevels meet in a mitre."""
+        strip = self.strips[k]
+        if not self.ends[k] or strip.end is None:
+            return False
+        places = (strip.end, *(line.at(strip.middle) for line in other.lines))
+        apart = min(abs(strip.left - place) for place in places)
+        if apart < max(_MITRED[0], _MITRED[1] * self.width(k)):
+            return False
+        inner, outer = self.lines[k], self.lines[k + 1]
+        slant = read_slant(self.sight, self.edge, inner, outer, self.corner, other.lines, strip.level)
+        return _ASLANT[0] < slant < _ASLANT[1]
 
     def _bevelled(self, k: int, other: EdgeLayers) -> float:
         """How far from the face's own end strip k would seem to end if it were a bevel of 45 degrees [m]."""

@@ -16,6 +16,7 @@ from doormill_ros.localization.view import HINGE
 
 _TWIN = 0.7  # strips along both edges that are one differ by less than that factor in width
 _CROSSED = 0.07  # strips fainter than that in the logarithm tell nothing where they cross
+_FACE = 0.02  # and those fainter than that are no strips
 _BRIGHT = 225.0  # strips brighter than that may be clipped where they cross [grey levels]
 _SHRINKS = 0.12e-3  # difference between two widths that tells; equal ones differ by less than half of it [m]
 _SLANT = (0.4, 2.5)  # how far a bevel or lip sticks out, over how far it lies behind
@@ -138,7 +139,10 @@ def _framed(one: EdgeLayers, other: EdgeLayers) -> bool:
     if not (one_thing or uncrossed):
         return False
     behind = _lies_behind(one, k, other, j)
-    return one_thing if behind else uncrossed and behind is None
+    # Strips too faint to tell where they cross, not so faint as to be face, are believed unless they differ in width.
+    faint = _FACE < min(abs(mine), abs(its)) < _CROSSED and max(abs(mine), abs(its)) < 2 * _CROSSED
+    uneven = faint and abs(one.width(k) - other.width(j)) > 2 * _SHRINKS
+    return one_thing if behind else (uncrossed or uneven) and behind is None
 
 
 def _crossed(one: EdgeLayers, other: EdgeLayers) -> bool | None:

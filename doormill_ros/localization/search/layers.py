@@ -34,6 +34,9 @@ class Chosen:
         """
         for edge, other in zip(self.read, self.read[::-1], strict=True):
             check_told(edge, other)
+            for k in range(edge.lines.index(self.lines[edge.edge])):
+                if edge.mitred(k, other):
+                    raise edge.doubt(k, k + 1)
 
     def check_are(self, edges: dict[str, EdgeLine]) -> None:
         """Whether these lines were chosen.

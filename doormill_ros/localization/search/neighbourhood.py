@@ -41,6 +41,7 @@ class Neighbourhood:
         spread: Blur of the edge.
         weights: For its rows, as its blur and the textures beside it ask for, shape (PHASES, 3, w).
         face: Rows of the face beside it, a column each [grey levels], shape (m, n).
+        gap: How far the last of the face's pixels are from it, inwards [px].
         rows: Their numbers, shape (n,).
         step: Step at the edge [grey levels].
         streaks: Standard deviation of what the rows have in common [grey levels].
@@ -52,6 +53,7 @@ class Neighbourhood:
     spread: Spread
     weights: Float32Array
     face: Float32Array
+    gap: int
     rows: IntArray
     step: float
     streaks: float
@@ -98,6 +100,7 @@ def look_around(
         spread,
         step_weights(half, spread.blur, inside, outside),
         face,
+        gap + 1,
         wide.lines,
         wide.step,
         streaks(common[-_FACE_STRIP:]),

@@ -13,6 +13,7 @@ from doormill_ros.statistics import median
 
 LEAST = 5.0  #: grey levels between two surfaces of which the border can be placed
 ACROSS = np.linspace(0.3, 0.7, 5)  #: where across a strip it is read, as shares of its width
+_TWO_SIDES = np.array([[0.15, 0.25, 0.35], [0.65, 0.75, 0.85]])  # the same, near its outer and inner line
 # Where a strip's end is looked for, beyond the other edge's outermost and innermost line [m]
 _END = (-6.0e-3, 4.0e-3)
 # Where a strip's width is read along the edge, from the corner; how far beside each line, and how closely [m]
@@ -58,6 +59,43 @@ def read_strip(
     along = np.arange(across_lines[-1].at(middle) + _END[0], across_lines[0].at(middle) + _END[1], PITCH)
     grey = sight.along(edge, across, inner.tilt, along)
     return EdgeStrip(level, _begins(along, grey, level), _left(along, grey, level), middle)
+
+
+def read_slant(
+    sight: Surfaces,
+    edge: str,
+    inner: EdgeLine,
+    outer: EdgeLine,
+    corner: float,
+    across_lines: list[EdgeLine],
+    level: float,
+) -> float:
+    """How askew a strip's end is, seen from inside: how much further in along it that is per way inwards across it.
+
+    It is 0 where the strip is cut off straight, about 1 in a mitre, and NaN where it has no end.
+
+    Args:
+        sight: The picture.
+        edge: "hinge" or "bottom".
+        inner: The line inside of it.
+        outer: The line outside of it.
+        corner: Where the edge meets the other one [m].
+        across_lines: Lines of the other edge, from the inside outwards.
+        level: Brightness of the strip [grey levels].
+    """
+    low, high = outer.at(corner), inner.at(corner)
+    middle = 0.5 * (low + high)
+    # A mitre goes on as far along the strip as the strip is wide.
+    stop = across_lines[0].at(middle) + _END[1] + high - low
+    along = np.arange(across_lines[-1].at(middle) + _END[0], stop, PITCH)
+    ends = []
+    for shares in _TWO_SIDES:
+        across = low + shares * (high - low) - inner.tilt * corner
+        ends.append(_left(along, sight.along(edge, across, inner.tilt, along), level))
+    if not np.isfinite(ends).all():
+        return np.nan
+    apart = (np.mean(_TWO_SIDES[1]) - np.mean(_TWO_SIDES[0])) * (high - low)
+    return float((ends[1] - ends[0]) / apart)
 
 
 def read_width(sight: Surfaces, edge: str, inner: EdgeLine, outer: EdgeLine, corner: float) -> float:
