@@ -1,4 +1,4 @@
-"""What a joint's named causes may be imitations of, though it is no cause that may enter: few recordings tell them apart."""
+"""What named causes of a joint may imitate, though it may not enter a model: few recordings tell them apart."""
 
 from __future__ import annotations
 
