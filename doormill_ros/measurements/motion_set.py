@@ -112,6 +112,7 @@ def read_motion_set(folder: Path) -> MotionSet:
                 float(ratio[i]),
                 float(stiffness[i]),
                 noise_left,
+                inertia[i] if inertia else None,
             )
             for i, joint in enumerate(joints)
             for torque, noise_left in [quiet_torque(values[f"tau{joint}"])]

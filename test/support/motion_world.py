@@ -17,6 +17,7 @@ RATE = 250.0  # Hz
 STEPS = 8  # integration steps a sample
 RATIO = (256.857, 267.429, 252.333)
 STIFFNESS = (4.58e6, 7.52e6, 4.10e6)  # N m / rad
+ROTOR = (0.009, 0.012, 0.012)  # inertia of the motors, kg m^2
 INERTIA = (380.0, 520.0, 260.0)  # of the link, kg m^2
 GRAVITY = (0.0, 5000.0, 4000.0)  # N m, of an arm that stretches out at LEVEL
 LEVEL = -1.2  # rad
@@ -40,6 +41,8 @@ class Gear:
         hardening: Share by which the spring stiffens at 3000 N m: a law without a name.
         warming: Drift of the link encoder [rad / s]: one without a name.
         crosstalk: Link encoder per angle of the next joint [rad / rad]: one without a name.
+        rotor: Motors of the published inertia that the torque speeds up besides the link.
+        filtered: Time constant of a filter of first order behind the link encoder [s].
     """
 
     stiffness: float = 1.0
@@ -54,6 +57,8 @@ class Gear:
     hardening: float = 0.0
     warming: float = 0.0
     crosstalk: float = 0.0
+    rotor: float = 0.0
+    filtered: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -123,7 +128,19 @@ def swing(gear: Gear, joint: int, time: np.ndarray, motor: np.ndarray) -> tuple[
         load = gravity * math.cos(angle - LEVEL) + BEARING * rate
         rate += dt * (force + bend - load) / inertia
         angle += dt * rate
+    torque += gear.rotor * ROTOR[joint] * RATIO[joint] ** 2 * np.gradient(speed, dt)
     return found, torque
+
+
+def behind_filter(values: np.ndarray, dt: float, constant: float) -> np.ndarray:
+    """What a filter of first order with a time constant [s] makes of values, shape (n,)."""
+    if constant == 0.0:
+        return values
+    found, now = np.empty_like(values), values[0]
+    for i, value in enumerate(values.tolist()):
+        now += (value - now) * -math.expm1(-dt / constant)
+        found[i] = now
+    return found
 
 
 def record(folder: Path, hidden: Recording, seed: int) -> Path:
@@ -143,6 +160,7 @@ def record(folder: Path, hidden: Recording, seed: int) -> Path:
         amplitude, phase, waves = gear.ruler
         seen = gear.scale * link + amplitude * np.cos(waves * link + phase)
         seen = seen + gear.warming * time + gear.crosstalk * angles[(joint + 1) % 3][1]
+        seen = behind_filter(seen, float(time[1] - time[0]), gear.filtered)
         read = np.interp(columns["t"] - gear.late, time, seen)
         columns[f"l{joint + 1}"] = read + rng.normal(0.0, hidden.noise[0], count) + rng.normal(0.0, 1e-3)
     for joint, (_, _, _, torque) in enumerate(angles):
@@ -166,7 +184,7 @@ def record(folder: Path, hidden: Recording, seed: int) -> Path:
         "model": {
             "gear_ratio": list(RATIO),
             "joint_stiffness": list(STIFFNESS),
-            "motor_inertia": [0.009, 0.012, 0.012],
+            "motor_inertia": list(ROTOR),
         },
     }
     if hidden.stated:

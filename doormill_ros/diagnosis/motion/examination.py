@@ -9,6 +9,7 @@ from typing import Self
 from doormill_ros.diagnosis.core.examination import MOST_REMAINS, Double, Examination, Examiner
 from doormill_ros.diagnosis.core.margin import Check, Margin
 from doormill_ros.diagnosis.core.verdict import AT_NOISE
+from doormill_ros.diagnosis.motion.imitations import in_place_of_scale, lag_beyond_delay, part_of_a_wave
 from doormill_ros.diagnosis.motion.model import JointFit
 from doormill_ros.diagnosis.motion.patterns import MotionPattern
 from doormill_ros.diagnosis.motion.problem import JointProblem
@@ -46,6 +47,10 @@ class JointExaminer(Examiner[MotionCause, JointFit]):
         found = [self._clear(best, cause)]
         if not found[0].fails and (rival := self._shape_instead(best, cause)) is not None:
             found.append(Check(True, f"{rival!r} explains more"))
+        if part_of_a_wave(self.models, best, cause):
+            found.append(Check(True, "a part of one wave a turn does as well"))
+        if lag_beyond_delay(self.models, best, cause):
+            found.append(Check(True, "what a filter does beyond a delay does as well"))
         if not remains:
             spoiled = any(shape.spoils(cause) for shape in self._shapes(best))
             found.append(Check(spoiled, "a shape without a name beside it says that its law is another"))
@@ -125,6 +130,9 @@ class JointExaminer(Examiner[MotionCause, JointFit]):
                 found.setdefault(other.key, Double(other, max(behind, 0.0), model=fit))
         if (same := alike(cause, asked.late)) is not None:
             found.setdefault(same.key, Double(same, 0.0))
+        for other, fit in in_place_of_scale(self.models, asked, cause):
+            if (behind := self.behind(asked, fit)) < EQUAL or not (self.remains(asked) or self.remains(fit)):
+                found.setdefault(other.key, Double(other, max(behind, 0.0), model=fit))
         return tuple(found.values())
 
 

@@ -28,6 +28,8 @@ from doormill_ros.robot_model.motion.law.term import MotionTerm
 OTHER_LAW = "what follows the same driver beside it says that its law is another"
 NEEDLESS = "a law without a name does as well without it"
 GONE = "beside a law without a name no such size is left of it"
+#: Driver that is no reading of the one before its bracket.
+CHANGE = "speed (its change)"
 #: What a spring or a gap acts on in the words of laws, and a damper.
 _ACTS_ON = (SPRING, "joint angle")
 #: Share of a cause's effect that one other term follows to be the same in other words, too.
@@ -78,7 +80,8 @@ def size_gone(finding: JointFinding, found: Searched) -> MotionCause | None:
 
 def _same_law(term: MotionTerm, cause: MotionCause) -> bool:
     """Whether a term says of a cause that its law is another."""
-    driver = term.driver.partition(" (")[0]
+    # How a speed changes is no other law of the speed.
+    driver = term.driver if term.driver == CHANGE else term.driver.partition(" (")[0]
     return term.acts_on in _ACTS_ON and driver in cause.follows
 
 

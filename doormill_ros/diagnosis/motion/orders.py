@@ -13,6 +13,7 @@ from doormill_ros.diagnosis.motion.model import JointFit
 from doormill_ros.diagnosis.motion.problem import JointProblem
 from doormill_ros.robot_model.motion.causes.joint_periodic_error import (
     FINE,
+    JOINT_ORDERS,
     MOTOR_ORDERS,
     MotionPeriodicError,
 )
@@ -31,7 +32,9 @@ def wave_candidates(problem: JointProblem, found: JointFit) -> list[MotionPeriod
     if reach * FINE < 2.0 * np.pi:
         return []
     lowest, width = max(FINE, 4.0 * np.pi / reach), 2.0 * np.pi / reach
-    candidates: list[MotionPeriodicError] = []
+    # Whole orders beyond the usual ones, below those of a fine scale, have one phase as these have.
+    coarse = _liked_best(problem, found, np.arange(JOINT_ORDERS[-1] + 1.0, FINE))
+    candidates = [MotionPeriodicError(problem.where, coarse)]
     for quick in (False, True):
         power = spectrum(problem, found.residual, quick)
         orders = np.arange(len(power)) / _TURNS
@@ -81,10 +84,13 @@ def _readings(problem: JointProblem, order: float, width: float) -> Sequence[Mot
 
 
 def _refined(problem: JointProblem, found: JointFit, peak: float, width: float) -> float:
-    """The order near a peak that the data like best, each recording with a phase of its own."""
+    """The order near a peak that the data like best."""
     tried = np.arange(np.ceil(peak - 0.5 * width), peak + 0.5 * width + 1e-9, _FINER)
-    if not len(tried):
-        return peak
+    return _liked_best(problem, found, tried) if len(tried) else peak
+
+
+def _liked_best(problem: JointProblem, found: JointFit, tried: FloatArray) -> float:
+    """Of some orders, shape (m,), the one that takes most from what a fit leaves, each recording with its own phase."""
     falls: list[float] = []
     for order in tried:
         fall = 0.0

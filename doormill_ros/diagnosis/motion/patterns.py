@@ -79,7 +79,7 @@ def unnamed_patterns(index: int, recordings: Sequence[Sequence[JointMotion]]) ->
             "(N m)^2",
             [motion.torque * np.abs(motion.torque) for motion in own],
         ),
-        ("speed", "its acceleration", "rad/s^2", [motion.seen().acceleration for motion in own]),
+        ("speed (its change)", "its acceleration", "rad/s^2", [motion.seen().acceleration for motion in own]),
         ("speed", "the size of its speed", "rad/s", [np.abs(one) for one in speed]),
         ("speed", "the square of its speed with its sign", "(rad/s)^2", [one * np.abs(one) for one in speed]),
     ]

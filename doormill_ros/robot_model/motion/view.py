@@ -12,6 +12,10 @@ from doormill_ros.arrays import BoolArray, FloatArray
 
 #: Length over which the motor's angle is smoothed before it is derived [s]: drives follow their command to some 20 Hz.
 _SMOOTHED = 0.02
+_BESIDE = np.linspace(-_SMOOTHED, _SMOOTHED, 9)
+_CURVED = _BESIDE**2 - np.mean(_BESIDE**2)
+#: Moments beside one [s], and weights of the angle there in the second derivative of a parabola through all [1 / s^2].
+_PARABOLA = (_BESIDE, 2.0 * _CURVED / np.sum(_CURVED**2))
 _DIGITS = 8  #: decimals of a delay [s] that count
 
 
@@ -28,6 +32,7 @@ class JointMotion:
         torque_noise: Standard deviation of the noise that a filter left in it [N m]; None where none was needed.
         gear_ratio: Turns of the motor for one of the joint.
         stiffness: Of the model in question [N m / rad].
+        motor_inertia: Of the motor in the model in question [kg m^2]; None where that knows none.
     """
 
     joint: int
@@ -38,6 +43,7 @@ class JointMotion:
     gear_ratio: float
     stiffness: float
     torque_noise: float | None = None
+    motor_inertia: float | None = None
 
     def __len__(self) -> int:
         return len(self.time)
@@ -110,10 +116,12 @@ def _seen(motion: JointMotion, delay: float) -> SeenMotion:
     half = _SMOOTHED / 2.0
     before, after = (np.clip(time + side, motion.time[0], motion.time[-1]) for side in (-half, half))
     here = motion.path(time)
-    early, late = motion.path(before), motion.path(after)
-    speed = (late - early) / np.maximum(after - before, 1e-9)
-    edge = (after - time < half) | (time - before < half)
-    acceleration = np.where(edge, 0.0, (late - 2.0 * here + early) / half**2)
+    speed = (motion.path(after) - motion.path(before)) / np.maximum(after - before, 1e-9)
+    # A parabola's over twice the length, about the next moment that has so much on either side: noise shows less in it.
+    whole = np.clip(time, motion.time[0] + _SMOOTHED, motion.time[-1] - _SMOOTHED)
+    acceleration = np.sum(
+        [weight * motion.path(whole + side) for side, weight in zip(*_PARABOLA, strict=True)], axis=0
+    )
     torque = np.interp(time, motion.time, motion.torque)
     return SeenMotion(motion, delay, here, speed, acceleration, torque, time == asked)
 

@@ -24,7 +24,9 @@ def motion(link=lambda t, m, tau: m - tau / STIFFNESS):
     time = np.arange(2000) / 250.0
     motor = 0.4 * np.sin(1.3 * time)
     torque = 800.0 * np.cos(0.9 * time) + 300.0
-    return JointMotion(2, time, motor, link(time, motor, torque), torque, 250.0, STIFFNESS)
+    return JointMotion(
+        2, time, motor, link(time, motor, torque), torque, 250.0, STIFFNESS, motor_inertia=0.01
+    )
 
 
 def test_a_perfect_gear_leaves_nothing():

@@ -12,12 +12,14 @@ from doormill_ros.robot_model.motion.causes.joint_damping import JointDamping
 from doormill_ros.robot_model.motion.causes.joint_friction import MotionFriction
 from doormill_ros.robot_model.motion.causes.joint_periodic_error import MotionPeriodicError
 from doormill_ros.robot_model.motion.causes.joint_stiffness import MotionStiffness
+from doormill_ros.robot_model.motion.causes.motor_inertia import MotorInertia
 from doormill_ros.robot_model.motion.causes.time_skew import TimeSkew
 from doormill_ros.robot_model.motion.view import SeenMotion
 
 #: Among equals the first goes first.
 LIBRARY: tuple[type[MotionCause], ...] = (
     TimeSkew,
+    MotorInertia,
     MotionStiffness,
     EncoderScale,
     MotionFriction,
