@@ -40,8 +40,12 @@ class Faults:
     periodic: Sequence[tuple[int, int, float, float]] = ()  # joint, order, amplitude, phase
     backlash: Sequence[tuple[int, float]] = ()  # joint, gap
     step: tuple[str, int, Sequence[float]] | None = None  # set, row, tracker displacement
+    warming: tuple[str, Sequence[float], float] | None = (
+        None  # set, tracker displacement in the end, constant [s]
+    )
     gross: Sequence[tuple[str, int]] = ()  # set, row
     strange: float = 0.0  # size of an effect that no library holds
+    stated: bool = True  # whether the sets state their noise
     names: Sequence[str] = field(default_factory=lambda: ("first", "second"))
 
 
@@ -115,6 +119,8 @@ def write_sets(folder: Path, faults: Faults, rows: int, seed: int) -> list[Path]
                 )
             if faults.step and faults.step[0] == name and i >= faults.step[1]:
                 p = p + np.array(faults.step[2])
+            if faults.warming and faults.warming[0] == name:
+                p = p + np.array(faults.warming[1]) * (1.0 - np.exp(-10.0 * i / faults.warming[2]))
             if (name, i) in faults.gross:
                 p = p + rng.uniform(0.5e-2, 2e-2, 3)
             p = p + rng.normal(0.0, NOISE[0], 3)
@@ -132,6 +138,8 @@ def write_sets(folder: Path, faults: Faults, rows: int, seed: int) -> list[Path]
             "noise": {"position": NOISE[0], "rotation": NOISE[1]},
             "placement": "fitted",
         }
+        if not faults.stated:
+            del document["noise"]
         (path / "set.yaml").write_text(yaml.safe_dump(document))
         (path / "poses.csv").write_text("\n".join(lines) + "\n")
         folders.append(path)

@@ -210,9 +210,12 @@ def verdict_line(account: Account) -> str:
     if verdict == CONSISTENT:
         if unit.relative:
             return f"{verdict}: the {words.residual} is {before} {unit.told}"
-        return f"{verdict}: the {words.residual} of {before} {unit.told} is the measurement noise ({noise} {unit.told})"
-    against = "" if unit.relative else f" against {noise} {unit.told} of noise"
+        called = words.noise if words.assumed else f"measurement {words.noise}"
+        return (
+            f"{verdict}: the {words.residual} of {before} {unit.told} is the {called} ({noise} {unit.told})"
+        )
+    against = "" if unit.relative else f" against {noise} {unit.told} of {words.noise}"
     if verdict == UNEXPLAINED:
         return f"{verdict}: {before} {unit.told}{against}, and no known cause earns its place"
-    floor = "" if unit.relative else f", noise {noise} {unit.told}"
+    floor = "" if unit.relative else f", {words.noise} {noise} {unit.told}"
     return f"{verdict}: {account.listed}; held-out {words.held_out} {before} -> {after} {unit.told}{floor}"

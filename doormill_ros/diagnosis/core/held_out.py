@@ -38,6 +38,22 @@ def standard_errors(fall: FloatArray) -> float:
     return float(fall.sum() / max(float(fall.std(ddof=1)) * np.sqrt(len(fall)), 1e-300))
 
 
+def expected_errors(fall: FloatArray, expected: FloatArray) -> float:
+    """Sum of what blocks left out gain over its standard error, where it is known in what proportion they should.
+
+    What befalls a few blocks alone is no less sure for that the others gain nothing by it.
+
+    Args:
+        fall: What each gains, shape (blocks,).
+        expected: What each gains where the cause is true, shape (blocks,).
+    """
+    count, whole = len(fall), float(expected.sum())
+    if count < 2 or whole <= 0.0:
+        return 0.0
+    off = fall - float(fall.sum()) / whole * expected
+    return float(fall.sum() / max(float(np.sqrt(np.sum(off**2) * count / (count - 1))), 1e-300))
+
+
 def scatter_of(pulls: FloatArray, covariance: FloatArray) -> FloatArray:
     """Standard deviations, shape (m,), from how far blocks whose rows err alike pull a solution apart.
 

@@ -47,19 +47,19 @@ def render_report(account: Account) -> str:
 
 def _headline(account: Account) -> str:
     """The verdict in one line."""
-    model = account.words.model
+    model, called = account.words.model, account.words.noise
     before, after, floor = (
         account.unit.spoken(value)
         for value in (account.baseline["holdout_rmse"], account.extended["holdout_rmse"], account.noise_floor)
     )
-    against = "" if account.unit.relative else f" against {floor} of noise"
+    against = "" if account.unit.relative else f" against {floor} of {called}"
     if account.verdict == CONSISTENT:
-        noise = "" if account.unit.relative else f", the noise is {floor}"
+        noise = "" if account.unit.relative else f", the {called} is {floor}"
         return f"Consistent: the {model} is off by {before}{noise}"
     if account.verdict == UNEXPLAINED:
         return f"Unexplained: the {model} is off by {before}{against}"
     word = "Explained" if account.verdict == EXPLAINED else "Partly explained"
-    noise = "" if account.unit.relative else f", noise {floor}"
+    noise = "" if account.unit.relative else f", {called} {floor}"
     return f"{word}: {account.headline} ({before} down to {after}{noise})"
 
 
@@ -72,7 +72,8 @@ def _tiles(account: Account) -> Tiles:
         *account.tiles,
     ]
     if not unit.relative:
-        entries[1:1] = [(unit.spoken(account.noise_floor), "measurement noise")]
+        called = words.noise if words.assumed else f"measurement {words.noise}"
+        entries[1:1] = [(unit.spoken(account.noise_floor), called)]
     if account.causes:
         entries[1:1] = [
             (unit.spoken(account.extended["holdout_rmse"]), f"extended model on unseen {words.unseen}"),

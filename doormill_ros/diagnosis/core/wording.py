@@ -61,6 +61,7 @@ class Words:
         held_out: The same of rows left out.
         unseen: What is left out together.
         method: How a cause was found, for the end of the page.
+        assumed: Whether the noise was assumed, since the data do not state all of it.
     """
 
     model: str
@@ -69,6 +70,12 @@ class Words:
     held_out: str = "residual"
     unseen: str = "configurations"
     method: str = ""
+    assumed: bool = False
+
+    @property
+    def noise(self) -> str:
+        """What the noise is called that everything is weighed by."""
+        return "assumed noise" if self.assumed else "noise"
 
 
 _SENTENCES = {
@@ -78,11 +85,20 @@ _SENTENCES = {
     "unexplained": "Something is wrong that is not in the library of causes. No cause is named, because a wrong one is "
     "worse than none.",
 }
+_HANGS = "All this is by a noise that was assumed, since the data do not state it"
+#: What is added where the noise was assumed.
+_ASSUMED = {
+    "consistent": f"{_HANGS}: with less of it something may be wrong.",
+    "explained": f"{_HANGS}.",
+    "partly_explained": f"{_HANGS}: with more of it nothing may remain.",
+    "unexplained": f"{_HANGS}: with more of it nothing may be wrong.",
+}
 
 
 def verdict_sentence(verdict: str, words: Words) -> str:
     """What one of the four verdicts means, for the top of a page."""
-    return _SENTENCES[verdict].format(model=words.model, rows=words.rows)
+    sentence = _SENTENCES[verdict].format(model=words.model, rows=words.rows)
+    return f"{sentence} {_ASSUMED[verdict]}" if words.assumed else sentence
 
 
 def spoken(cause: Cause) -> str:

@@ -16,6 +16,8 @@ from doormill_ros.diagnosis.pose.search import PoseSearch
 from doormill_ros.diagnosis.pose.selection import SURE
 from doormill_ros.diagnosis.pose.validation import Validation
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
+from doormill_ros.robot_model.pose.causes.session_step import SessionStep
+from doormill_ros.robot_model.pose.causes.thermal_drift import PoseDrift
 
 
 class PoseExaminer(Examiner[PoseCause, SeriesFit]):
@@ -74,15 +76,24 @@ class PoseExaminer(Examiner[PoseCause, SeriesFit]):
         return float("inf")
 
     def doubles(self, asked: SeriesFit, cause: PoseCause) -> Sequence[Double[PoseCause, SeriesFit]]:
-        """Causes of the same fit whose effects overlap; of a scale, the geometry of links that would tell the same."""
+        """Causes of the same fit whose effects overlap; of a scale, the geometry of links that would tell the same.
+
+        And the other way round where too few lengths ask for a scale; of what moved the base, other forms.
+        """
         layout = asked.problem.layout
         own = layout.part(layout.causes.index(cause))
         instead = self.models.instead if cause.for_lengths else []
+        if (scale := self.models.scale_instead.get(id(cause))) is not None:
+            instead = [scale]
         leaning: list[Double[PoseCause, SeriesFit]] = [
             Double(other)
             for index, other in enumerate(layout.causes)
             if other is not cause
             and leans(asked.problem.x, asked.solution.covariance, own, layout.part(index))
         ]
+        if cause.name in (SessionStep.name, PoseDrift.name):
+            moved = self.models.moved_otherwise.get(cause.where, ())
+            instead = [*instead, *(other for other in moved if other.name != cause.name)]
         known = {double.cause.key for double in leaning}
-        return [*leaning, *(Double(other) for other in instead if other.key not in known)]
+        others = {other.key: other for other in instead if other.key not in known}
+        return [*leaning, *map(Double, others.values())]

@@ -105,7 +105,15 @@ class Poses(Kind[PoseSet, PoseDiagnosis]):
         unseen = after.get("series_out_rmse")
         return told(
             diagnosis,
-            Words(f"model of {sets[0].robot}", "poses", "position error", "error", "blocks", METHOD),
+            Words(
+                f"model of {sets[0].robot}",
+                "poses",
+                "position error",
+                "error",
+                "blocks",
+                METHOD,
+                assumed=any("position" in one.assumed for one in sets),
+            ),
             UNIT,
             diagnosis.noise_floor,
             causes,

@@ -7,13 +7,14 @@ explanations is taken where it predicts rows left out as well.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.pose.model import SeriesFit
-from doormill_ros.diagnosis.pose.selection import WORTH
+from doormill_ros.diagnosis.pose.selection import SURE, WORTH
 from doormill_ros.robot_model.candidate import number
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
 from doormill_ros.robot_model.pose.causes.link_geometry import LENGTHS, PARALLEL, LinkGeometry
@@ -22,10 +23,26 @@ from doormill_ros.robot_model.pose.causes.tracker_scale import PoseTrackerScale
 #: Largest share that lengths may have in common: aluminium (24e-6 for each K) 20 K warmer or colder than its drawing. A
 #: tracker that is told of the wrong air is off by a hundredth of that. More is no scale: lengths happen to agree.
 LARGEST = 5e-4
+#: Lengths that have to ask for one share where more than a part of them in so many is off by its own: of many that are
+#: off, two agree by chance often.
+AGREEING = 3
 
 
-def scaled_members(model: SeriesFit) -> tuple[PoseCause, ...] | None:
-    """The members of a model with a scale in the place of lengths of links; None where it spares no length."""
+@dataclass(frozen=True, eq=False)
+class Scaled:
+    """A model with a scale in the place of lengths of links.
+
+    Attributes:
+        members: The scale first, then the others.
+        earned: Whether enough lengths ask for its share to name it in their place.
+    """
+
+    members: tuple[PoseCause, ...]
+    earned: bool
+
+
+def scaled_members(model: SeriesFit) -> Scaled | None:
+    """The members of a model with a scale in the place of lengths of links; None where lengths predict as well."""
     geometry = [cause for cause in model.members if isinstance(cause, LinkGeometry)]
     places = [(cause, name) for cause in geometry for name in cause.names if name in LENGTHS]
     if not places:
@@ -36,9 +53,10 @@ def scaled_members(model: SeriesFit) -> tuple[PoseCause, ...] | None:
     C = np.linalg.inv(solution.covariance[np.ix_(ids, ids)])
     H = C - np.diag(1.0 / solution.variance[ids])
     drawn = np.array([drawn_length(model.problem.sets[0].dh, number(c.where), name) for c, name in places])
-    free = _spared(H, C @ solution.x[ids], drawn)
-    if free is None:
+    found = _spared(H, C @ solution.x[ids], drawn)
+    if found is None:
         return None
+    free, earned = found
     kept: dict[PoseCause, list[str]] = {cause: [] for cause in geometry}
     for at in free:
         cause, name = places[at]
@@ -51,7 +69,7 @@ def scaled_members(model: SeriesFit) -> tuple[PoseCause, ...] | None:
             members.append(LinkGeometry(member.where, dh, drawn_names))
         else:
             members.append(member)
-    return (PoseTrackerScale("tracker"), *members)
+    return Scaled((PoseTrackerScale("tracker"), *members), earned)
 
 
 def spared(cause: LinkGeometry, members: Sequence[PoseCause]) -> bool:
@@ -79,7 +97,7 @@ def drawn_length(dh: FloatArray, link: int, name: str) -> float:
     return length
 
 
-def _spared(H: FloatArray, g: FloatArray, drawn: FloatArray) -> Sequence[int] | None:
+def _spared(H: FloatArray, g: FloatArray, drawn: FloatArray) -> tuple[Sequence[int], bool] | None:
     """Lengths that stay free beside a scale, where fewer numbers explain as much with one; None where none do.
 
     Every length costs what a cause has to gain, and so does the scale.
@@ -88,22 +106,44 @@ def _spared(H: FloatArray, g: FloatArray, drawn: FloatArray) -> Sequence[int] | 
         H: What the data alone say of the lengths: their precision, shape (k, k).
         g: Precision times lengths, shape (k,).
         drawn: Nominal lengths, shape (k,) [m].
+
+    Returns:
+        The lengths, and whether the scale has earned its name.
     """
     best: dict[bool, tuple[float, Sequence[int]]] = {}
     for scaled in (False, True):
         for count in range(len(g) + (not scaled)):
-            for free in combinations(range(len(g)), count):
-                M = np.eye(len(g))[:, free]
-                M = np.column_stack([M, drawn]) if scaled else M
-                pull = M.T @ g
-                sizes = np.linalg.lstsq(M.T @ H @ M, pull, rcond=1e-12)[0] if M.size else np.empty(0)
-                if scaled and abs(sizes[-1]) > LARGEST:
+            for some in combinations(range(len(g)), count):
+                gain, share = _explained(H, g, some, drawn if scaled else None)
+                if abs(share) > LARGEST:
                     continue
-                score = float(pull @ sizes) - WORTH * M.shape[1]
+                score = gain - WORTH * (count + scaled)
                 if scaled not in best or score > best[scaled][0]:
-                    best[scaled] = score, free
-    if True not in best:
+                    best[scaled] = score, some
+    if True not in best or best[True][0] <= best[False][0]:
         return None
-    # In the place of a single length it only fits that one, whatever the others are.
-    simpler = len(best[True][1]) + 1 < len(best[False][1])
-    return best[True][1] if simpler and best[True][0] > best[False][0] else None
+    free = best[True][1]
+    if len(best[False][1]) - len(free) < 2:
+        return None  # in the place of a single length it only fits that one, whatever the others are
+    return free, _asking(H, g, free, drawn) >= AGREEING or AGREEING * len(free) <= len(g)
+
+
+def _explained(
+    H: FloatArray, g: FloatArray, free: Sequence[int], drawn: FloatArray | None
+) -> tuple[float, float]:
+    """What some lengths explain, with a scale of the drawn ones beside them where these are given, and its share."""
+    M = np.eye(len(g))[:, list(free)]
+    if drawn is not None:
+        M = np.column_stack([M, drawn])
+    if not M.size:
+        return 0.0, 0.0
+    pull = M.T @ g
+    sizes = np.linalg.lstsq(M.T @ H @ M, pull, rcond=1e-12)[0]
+    return float(pull @ sizes), 0.0 if drawn is None else float(sizes[-1])
+
+
+def _asking(H: FloatArray, g: FloatArray, free: Sequence[int], drawn: FloatArray) -> int:
+    """How many lengths ask for the share: that each of them is as drawn is refused by itself."""
+    whole, _ = _explained(H, g, free, drawn)
+    without = [np.where(np.arange(len(g)) == i, 0.0, drawn) for i in range(len(g)) if i not in free]
+    return sum(whole - _explained(H, g, free, others)[0] > SURE**2 for others in without)

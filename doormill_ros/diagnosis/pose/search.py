@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from functools import cache
 
 import numpy as np
 
 from doormill_ros.diagnosis.core.search import Search
+from doormill_ros.diagnosis.pose.courses import find_moved
 from doormill_ros.diagnosis.pose.fit import Fitted, fit_causes
 from doormill_ros.diagnosis.pose.model import SeriesFit, rmse
 from doormill_ros.diagnosis.pose.noise import evened
@@ -17,11 +19,12 @@ from doormill_ros.diagnosis.pose.validation import Validation, held_out_fall
 from doormill_ros.measurements.pose_set import PoseSet
 from doormill_ros.robot_model.candidate import number
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
-from doormill_ros.robot_model.pose.causes.hints import Hints, places_of_joints
+from doormill_ros.robot_model.pose.causes.hints import Course, Hints, places_of_joints
 from doormill_ros.robot_model.pose.causes.joint_periodic_error import dense_orders
 from doormill_ros.robot_model.pose.causes.link_geometry import LinkGeometry
 from doormill_ros.robot_model.pose.causes.registry import candidates
-from doormill_ros.robot_model.pose.causes.session_step import find_step
+from doormill_ros.robot_model.pose.causes.session_step import SessionStep, find_step
+from doormill_ros.robot_model.pose.causes.settling import PoseSettling
 
 #: A whole spectrum has to leave this much less of rows left out than a few orders do.
 SPECTRUM = 0.95
@@ -36,6 +39,8 @@ class PoseSearch(Search[PoseCause, SeriesFit]):
         scores: What each cause was worth when it was asked last.
         gone: Causes that left, in the order in which they did.
         instead: Geometry of links that a scale of the tracker does without.
+        scale_instead: By identity of links' geometry, a scale of the tracker that may stand for some of their lengths.
+        moved_otherwise: By place of a series, what may have moved its base as well as what is in the model.
     """
 
     at_once = 0.5
@@ -46,11 +51,20 @@ class PoseSearch(Search[PoseCause, SeriesFit]):
         self.scores: dict[int, Score] = {}
         self.gone: list[PoseCause] = []
         self.instead: list[PoseCause] = []
+        self.scale_instead: dict[int, PoseCause] = {}
+        self.moved_otherwise: dict[str, tuple[PoseCause, ...]] = {}
 
     def simpler(self, best: SeriesFit) -> SeriesFit:
         """The model, with a scale of the tracker in the place of lengths of links where it predicts as well."""
-        members = scaled_members(best)
-        if members is None:
+        scaled = scaled_members(best)
+        if scaled is None:
+            return best
+        members = scaled.members
+        instead: list[PoseCause] = [
+            cause for cause in best.members if isinstance(cause, LinkGeometry) and spared(cause, members)
+        ]
+        if not scaled.earned:
+            self.scale_instead = {id(cause): members[0] for cause in instead}
             return best
         self.progress("one share may stand for the lengths of several links")
         gone = list(self.gone)
@@ -59,9 +73,7 @@ class PoseSearch(Search[PoseCause, SeriesFit]):
         if fall.sum() < -max(WORTH, SHARE * left) or members[0] not in simpler.members:
             self.gone = gone
             return best
-        self.instead = [
-            cause for cause in best.members if isinstance(cause, LinkGeometry) and spared(cause, members)
-        ]
+        self.instead = instead
         return simpler
 
     def starts(self) -> list[SeriesFit]:
@@ -86,13 +98,30 @@ class PoseSearch(Search[PoseCause, SeriesFit]):
         orders = {where: dense + find_orders(first, number(where), dense[-1]) for where in joints}
         extra = sum(len(o) - len(dense) for o in orders.values())
         self.progress(f"the residual asks for {extra} orders beyond {dense[-1]}")
-        steps = {}
-        for index, data in enumerate(sets):
-            problem = first.problem
+        steps, courses, known = self._moved(first)
+        return self._fit(candidates(Hints(views, orders, steps, courses, known=known)), first)
+
+    def _moved(self, first: Fitted) -> tuple[dict[int, tuple[int, int]], dict[int, Course], list[int]]:
+        """Steps and courses of the base by index of the series, and where they say all there is."""
+        steps: dict[int, tuple[int, int]] = {}
+        courses: dict[int, Course] = {}
+        known = []
+        validated, problem = cache(lambda: Validation(first)), first.problem
+        for index, data in enumerate(self.sets):
+            moved = find_moved(first, index, validated)
+            self.moved_otherwise |= {f"set {data.name}": moved.others}
+            if moved.causes:
+                known.append(index)
+                for one in moved.causes:
+                    if isinstance(one, SessionStep):
+                        steps[index] = one.row, one.spread
+                    elif isinstance(one, PoseSettling):
+                        courses[index] = one.course
+                continue
             at, fall = find_step(problem.residual(index), problem.scale(index), problem.weights[index])
             if fall > STEP:
-                steps[index] = int(data.row[at])
-        return self._fit(candidates(Hints(views, orders, steps)), first)
+                steps[index] = int(data.row[at]), 1
+        return steps, courses, known
 
     def _fit(self, causes: Sequence[PoseCause], start: Fitted) -> SeriesFit:
         fitted = fit_causes(self.sets, causes, start.problem.placements, 2, self.progress, start)

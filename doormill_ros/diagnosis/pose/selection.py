@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray
-from doormill_ros.diagnosis.core.held_out import standard_errors
+from doormill_ros.diagnosis.core.held_out import expected_errors, standard_errors
 from doormill_ros.diagnosis.core.verdict import rmse
 from doormill_ros.diagnosis.pose.validation import AXES_OF_POSITION, Validation, by_block
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
@@ -78,14 +78,19 @@ def scores(validation: Validation, chosen: Sequence[int], left: float) -> list[S
     def score_of(cause: PoseCause, errors: Sequence[FloatArray]) -> Score:
         change = by_block([a - b for a, b in zip(validation.cost(errors), full, strict=True)])
         gain = np.array([part.sum() for part in change])
-        sure = np.array([standard_errors(part) for part in change])
         every = np.concatenate(change)
+        if cause.timed:
+            expected = by_block(validation.cost([a - b for a, b in zip(errors, unseen, strict=True)]))
+            sure = np.array([expected_errors(a, b) for a, b in zip(change, expected, strict=True)])
+            total_sure = expected_errors(every, np.concatenate(expected))
+        else:
+            sure = np.array([standard_errors(part) for part in change])
+            total_sure = standard_errors(every)
         transfer = np.zeros(0)
         if cause.of_robot:
             costs = validation.cost(next(in_series))
             if validation.series:
                 transfer = np.array([float(np.sum(a - b)) for a, b in zip(costs, full_series, strict=True)])
-        total, total_sure = float(every.sum()), standard_errors(every)
         position = by_block(
             [a - b for a, b in zip(validation.cost(errors, AXES_OF_POSITION), full_position, strict=True)]
         )
@@ -94,7 +99,7 @@ def scores(validation: Validation, chosen: Sequence[int], left: float) -> list[S
             cause,
             gain,
             sure,
-            total,
+            float(every.sum()),
             total_sure,
             transfer,
             position_sure,

@@ -76,6 +76,30 @@ class SetView:
         return result
 
     @cached_property
+    def elapsed(self) -> FloatArray:
+        """Time since the first row as a share of the series, by rows where no time was recorded, shape (n,)."""
+        if self.time is None or not self._timed:
+            return self.order
+        result: FloatArray = (self.time - self.time[0]) / (self.time[-1] - self.time[0])
+        return result
+
+    @property
+    def span(self) -> tuple[float, str]:
+        """What elapsed from the first row to the last, and its unit: seconds, or rows as '-'."""
+        if self.time is None or not self._timed:
+            return float(self.row[-1] - self.row[0]), "-"
+        return float(self.time[-1] - self.time[0]), "s"
+
+    @cached_property
+    def _timed(self) -> bool:
+        """Whether every row has a time and none goes back."""
+        return self.time is not None and bool(
+            np.all(np.isfinite(self.time))
+            and np.all(np.diff(self.time) >= 0.0)
+            and self.time[-1] > self.time[0]
+        )
+
+    @cached_property
     def transforms(self) -> FloatArray:
         """Nominal A_1 ... A_J, shape (n, J, 4, 4)."""
         return link_transforms(self.dh, self.q)

@@ -15,7 +15,7 @@ JOINTS = places_of_joints(6)
 def hints(tmp_path, write_pose_sets, faults):
     folders = write_pose_sets(tmp_path, faults(names=["one", "two"]), 40, 51)
     sets = [read_pose_set(folder) for folder in folders]
-    return Hints([data.view for data in sets], dict.fromkeys(JOINTS, (1, 2, 7)), {1: 20}, scaled=True)
+    return Hints([data.view for data in sets], dict.fromkeys(JOINTS, (1, 2, 7)), {1: (20, 1)}, scaled=True)
 
 
 def test_every_cause_of_the_robot_comes_back_from_its_settings(hints):

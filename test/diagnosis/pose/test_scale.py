@@ -70,3 +70,20 @@ def test_lengths_that_have_no_share_in_common_stay_lengths(diagnose, geometry):
     expected = {("link_geometry", f"link {link}") for link, *_ in geometry}
     assert set(found) == expected | {("joint_sag", f"joint {joint}") for joint, _ in SAG}
     assert not any("One share" in line for line in document["remarks"])
+
+
+def test_two_lengths_that_agree_by_chance_among_many_stay_lengths(diagnose):
+    geometry = [
+        (1, "a", 2.1e-4),
+        (2, "a", -9.8e-5),
+        (3, "a", 1.7e-4),
+        (4, "d", -8.85e-5),
+        (4, "a", 9e-5),
+        (5, "d", 1e-4),
+    ]
+    document, found = diagnose(geometry=geometry, sag=SAG)
+    assert SCALED not in found
+    for link in (2, 4):
+        others = found["link_geometry", f"link {link}"]["confusable_with"]
+        assert SCALED in {(one["cause"], one["where"]) for one in others}
+    assert not any("One share" in line for line in document["remarks"])

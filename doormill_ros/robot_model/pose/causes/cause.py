@@ -58,10 +58,12 @@ class PoseCause(Cause):
     Attributes:
         drawn_wrong: Whether it is how the robot was built, which is nobody's habit and not learnt from one series.
         for_lengths: Whether it is one share that stands for the lengths of several links.
+        timed: Whether it acts by a course in time of few numbers, which tells how much each block gains by it.
     """
 
     drawn_wrong: bool = False
     for_lengths: bool = False
+    timed: bool = False
 
     @classmethod
     def candidates(cls, hints: Hints) -> Sequence[PoseCause]:

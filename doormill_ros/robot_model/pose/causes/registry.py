@@ -14,6 +14,7 @@ from doormill_ros.robot_model.pose.causes.joint_sag import JointSag
 from doormill_ros.robot_model.pose.causes.joint_wobble import JointWobble
 from doormill_ros.robot_model.pose.causes.link_geometry import LinkGeometry
 from doormill_ros.robot_model.pose.causes.session_step import SessionStep
+from doormill_ros.robot_model.pose.causes.settling import PoseSettling
 from doormill_ros.robot_model.pose.causes.thermal_drift import PoseDrift
 from doormill_ros.robot_model.pose.causes.tracker_scale import PoseTrackerScale
 
@@ -24,6 +25,7 @@ LIBRARY: tuple[type[PoseCause], ...] = (
     JointWobble,
     PoseBacklash,
     PoseDrift,
+    PoseSettling,
     SessionStep,
     PoseTrackerScale,
 )

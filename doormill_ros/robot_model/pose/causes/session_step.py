@@ -20,16 +20,17 @@ class SessionStep(PoseCause):
 
     name = "session_step"
     of_robot = False
+    timed = True
 
-    def __init__(self, where: str, row: int) -> None:
-        """Put it on a series ('set NAME'), at the first row after the step."""
+    def __init__(self, where: str, row: int, spread: int = 1) -> None:
+        """Put it on a series ('set NAME'), at the first row after the step, which is known to so many rows."""
         super().__init__(where)
-        self.row = row
+        self.row, self.spread = row, spread
 
     @classmethod
     def candidates(cls, hints: Hints) -> Sequence[PoseCause]:
         """On every series in which one is suspected."""
-        return [cls(f"set {hints.sets[index].name}", row) for index, row in hints.steps.items()]
+        return [cls(f"set {hints.sets[index].name}", *step) for index, step in hints.steps.items()]
 
     @property
     def coefficients(self) -> tuple[Coefficient, ...]:
@@ -59,10 +60,11 @@ class SessionStep(PoseCause):
                 "unit": self.coefficients[axes.start].unit,
                 "axes": "tracker",
             }
-        steps["row"] = {"value": self.row, "std": 1.0, "unit": "-"}
+        steps["row"] = {"value": self.row, "std": float(self.spread), "unit": "-"}
         at = int(np.searchsorted(view.row, self.row))
         if view.time is not None and np.isfinite(view.time[at]):
-            before = float(view.time[at] - view.time[at - 1])
+            near = view.time[max(at - self.spread, 0) : at + self.spread]
+            before = float(np.nanmax(view.time[at] - near))
             steps["time"] = {"value": float(view.time[at]), "std": before, "unit": "s"}
         return steps
 

@@ -25,8 +25,10 @@ class PoseDrift(PoseCause):
 
     @classmethod
     def candidates(cls, hints: Hints) -> Sequence[PoseCause]:
-        """On every series: 'set NAME'."""
-        return [cls(f"set {data.name}") for data in hints.sets] if hints.drift else []
+        """On every series of which nothing simpler is known: 'set NAME'."""
+        if not hints.drift:
+            return []
+        return [cls(f"set {data.name}") for i, data in enumerate(hints.sets) if i not in hints.known]
 
     @property
     def coefficients(self) -> tuple[Coefficient, ...]:
