@@ -29,6 +29,9 @@ _ALIKE = 4.0  # and their steps differ by less than that factor;
 _FAINTEST = 0.02  # fainter ones are no surface's border, as a share of the face's brightness
 _SURELY, _AS_LARGE = 5.0, 2.5  # the same two for lines that may be on the face,
 _AS_WIDE = 0.3e-3  # unless as far from both edges as a lipping's are, as far as is seen here [m]
+_TOGETHER = (
+    8.5  # askew lines stand out of the texture by so many, as geometric mean of both: grain has up to 7.5
+)
 _ASKEW = 3.0e-3  # turned by more than that against an edge a line is no lipping's border [rad]
 _SQUARE = 6.0e-3  # the two make a corner when their turns differ by less [rad]
 
@@ -137,7 +140,10 @@ def corner_within(
         apart = max(apart, place * view.pixel)
     (_, first, step), (_, second, its) = found
     turned = 0.5 * abs(second - first)
+    sizes = abs(step) / scans[HINGE].level, abs(its) / scans[BOTTOM].level
     if turned > _ASKEW:
+        if np.sqrt(sizes[0] * sizes[1]) < _TOGETHER:
+            return {}
         raise WrongEdge(
             f"within the corner that was found another one shows, {m_to_mm(apart):.1f} mm further in and turned by "
             f"{rad_to_deg(turned):.2f} degrees against it: that of the door, and what was found is another one behind "
@@ -147,7 +153,6 @@ def corner_within(
                 for (edge, line), start in zip(lines.items(), (pose[1], pose[0]), strict=True)
             ),
         )
-    sizes = abs(step) / scans[HINGE].level, abs(its) / scans[BOTTOM].level
     sure = min(sizes) > _SURELY and 1.0 / _AS_LARGE < step / its < _AS_LARGE
     return lines if sure and abs(found[0][0] - found[1][0]) * view.pixel > _AS_WIDE else {}
 
