@@ -18,11 +18,12 @@ from doormill_ros.diagnosis.pose.fit import Fitted, contiguous
 from doormill_ros.diagnosis.pose.selection import SHARE, SURE, WORTH
 from doormill_ros.diagnosis.pose.validation import Split, Validation
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
-from doormill_ros.robot_model.pose.causes.hints import Course
+from doormill_ros.robot_model.pose.causes.hints import TimeCourse
 from doormill_ros.robot_model.pose.causes.session_step import MARGIN, SessionStep
 from doormill_ros.robot_model.pose.causes.settling import PoseSettling
 from doormill_ros.robot_model.pose.causes.thermal_drift import PoseDrift
 from doormill_ros.robot_model.pose.layout import Layout, design, lay_out
+from doormill_ros.units import MM
 
 #: Time constants that are tried, as shares of a series; a longer one is hardly told from a steady course.
 DECAYS = np.geomspace(0.02, 1.0, 14)
@@ -122,7 +123,7 @@ class _Series:
 
     def best_course(self, where: str) -> tuple[PoseCause, float]:
         """The course that explains most, and the fall of the cost by it."""
-        courses = [Course(float(decay)) for decay in (*DECAYS, np.inf)]
+        courses = [TimeCourse(float(decay)) for decay in (*DECAYS, np.inf)]
         gains = self.gains(np.stack([course.grown(self.view.elapsed) for course in courses], axis=1))
         best = int(np.argmax(gains))
         if 0 < best < len(DECAYS) - 1:
@@ -145,7 +146,7 @@ class _Series:
         cross, own, pull = each * cross, each * own, each * pull
         through = (cross.reshape(-1, size) @ self.fitted.solution.covariance).reshape(cross.shape)
         M = own - through @ np.swapaxes(cross, 1, 2)
-        M += 1e6 * np.eye(6)  # as large as a millimetre or a milliradian
+        M += np.eye(6) / MM**2  # as large as a millimetre or a milliradian
         z = np.linalg.solve(M, pull[:, :, None])[:, :, 0]
         result: FloatArray = np.sum(pull * z, axis=1) / self.one.share
         return result
@@ -217,12 +218,12 @@ def _parts(rows: IntArray) -> list[IntArray]:
     return np.array_split(rows, 1 + len(rows) // _AT_ONCE)
 
 
-def _between(decays: FloatArray, gains: FloatArray) -> Course:
+def _between(decays: FloatArray, gains: FloatArray) -> TimeCourse:
     """The best course of three neighbours, the middle one the best of them, and how sure its time constant is."""
     step = float(np.log(decays[1] / decays[0]))
     bend = float(gains[0] - 2.0 * gains[1] + gains[2])
     if bend >= 0.0:
-        return Course(float(decays[1]))
+        return TimeCourse(float(decays[1]))
     at = 0.5 * float(gains[0] - gains[2]) / bend
     # A standard deviation off, twice the logarithm of the likelihood falls by one.
-    return Course(float(decays[1] * np.exp(at * step)), step * float(np.sqrt(-1.0 / bend)))
+    return TimeCourse(float(decays[1] * np.exp(at * step)), step * float(np.sqrt(-1.0 / bend)))

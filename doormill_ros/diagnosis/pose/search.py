@@ -19,7 +19,7 @@ from doormill_ros.diagnosis.pose.validation import Validation, held_out_fall
 from doormill_ros.measurements.pose_set import PoseSet
 from doormill_ros.robot_model.candidate import number
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
-from doormill_ros.robot_model.pose.causes.hints import Course, Hints, places_of_joints
+from doormill_ros.robot_model.pose.causes.hints import Hints, TimeCourse, places_of_joints
 from doormill_ros.robot_model.pose.causes.joint_periodic_error import dense_orders
 from doormill_ros.robot_model.pose.causes.link_geometry import LinkGeometry
 from doormill_ros.robot_model.pose.causes.registry import candidates
@@ -101,10 +101,10 @@ class PoseSearch(Search[PoseCause, SeriesFit]):
         steps, courses, known = self._moved(first)
         return self._fit(candidates(Hints(views, orders, steps, courses, known=known)), first)
 
-    def _moved(self, first: Fitted) -> tuple[dict[int, tuple[int, int]], dict[int, Course], list[int]]:
+    def _moved(self, first: Fitted) -> tuple[dict[int, tuple[int, int]], dict[int, TimeCourse], list[int]]:
         """Steps and courses of the base by index of the series, and where they say all there is."""
         steps: dict[int, tuple[int, int]] = {}
-        courses: dict[int, Course] = {}
+        courses: dict[int, TimeCourse] = {}
         known = []
         validated, problem = cache(lambda: Validation(first)), first.problem
         for index, data in enumerate(self.sets):

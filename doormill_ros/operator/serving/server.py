@@ -53,7 +53,7 @@ _FILES = {
     "/runs.js": ("runs.js", "text/javascript"),
     "/runs_words.js": ("runs_words.js", "text/javascript"),
     **{
-        f"/texts/{name}.json": (f"browser/texts/{name}.json", "application/json")
+        f"/texts/{name}.json": (f"texts/{name}.json", "application/json")
         for code in LANGUAGES
         for name in (code, f"errors/{code}")
     },

@@ -17,7 +17,7 @@ def places_of_joints(count: int) -> tuple[str, ...]:
 
 
 @dataclass(frozen=True)
-class Course:
+class TimeCourse:
     """How something grows while a series is recorded: from 0 at its start to 1 at its end.
 
     Attributes:
@@ -53,7 +53,7 @@ class Hints:
     sets: Sequence[SetView]
     orders: Mapping[str, Sequence[int]]
     steps: Mapping[int, tuple[int, int]] = field(default_factory=dict)
-    courses: Mapping[int, Course] = field(default_factory=dict)
+    courses: Mapping[int, TimeCourse] = field(default_factory=dict)
     drift: bool = True
     known: Collection[int] = ()
     scaled: bool = False

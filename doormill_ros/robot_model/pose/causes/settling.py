@@ -8,7 +8,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.pose.causes.cause import Coefficient, Columns, PoseCause, Reported
-from doormill_ros.robot_model.pose.causes.hints import Course, Hints
+from doormill_ros.robot_model.pose.causes.hints import Hints, TimeCourse
 from doormill_ros.robot_model.pose.chain import Placement, direction
 from doormill_ros.robot_model.pose.view import SetView
 
@@ -24,7 +24,7 @@ class PoseSettling(PoseCause):
     of_robot = False
     timed = True
 
-    def __init__(self, where: str, course: Course) -> None:
+    def __init__(self, where: str, course: TimeCourse) -> None:
         """Put it on a series ('set NAME')."""
         super().__init__(where)
         self.course = course
