@@ -11,9 +11,8 @@ from doormill_ros.diagnosis.law.remainder import Searched, searched
 from doormill_ros.diagnosis.motion.diagnosis import MotionDiagnosis
 from doormill_ros.diagnosis.motion.examination import JointFinding
 from doormill_ros.diagnosis.motion.model import model_of
-from doormill_ros.diagnosis.motion.needless import not_the_same, taken_back
+from doormill_ros.diagnosis.motion.needless import law_terms, not_the_same, taken_back
 from doormill_ros.diagnosis.motion.remainder import Companies, remainder
-from doormill_ros.robot_model.motion.law.dictionary import dictionary
 from doormill_ros.robot_model.motion.model import MotionModel
 
 
@@ -44,7 +43,8 @@ def _searched(finding: JointFinding, companies: Companies, progress: Callable[[s
     extended = finding.extended
     rows = finding.problem.counted(extended.delay)
     problem, base = remainder(finding.problem, extended.members, extended.delay, companies, rows)
-    terms = not_the_same(finding, problem, finding.named, dictionary(problem.case))
+    every = law_terms(finding, problem, extended.members, extended.delay)
+    terms = not_the_same(finding, problem, finding.named, every)
     return searched(problem, base, terms, progress)
 
 

@@ -107,7 +107,7 @@ def _behind(
     problem, base = remainder(finding.problem, rest, delay, companies, rows)
     terms = [
         term
-        for term in not_the_same(finding, problem, [cause], dictionary(problem.case))
+        for term in not_the_same(finding, problem, [cause], law_terms(finding, problem, rest, delay))
         # A friction that varies is a friction still.
         if not (cause.acts_on and term.acts_on.startswith(cause.acts_on))
     ]
@@ -115,6 +115,23 @@ def _behind(
     progress(f"{cause!r} against laws alone")
     rival = searched_once(problem, base, terms, progress)
     return rival.total - found.total if _explains(finding, rival.best) else float("inf")
+
+
+def law_terms(
+    finding: JointFinding, problem: LinearProblem, members: Sequence[MotionCause], delay: float
+) -> list[MotionTerm]:
+    """Every term that may say what some causes of a joint leave at a delay [s].
+
+    Of the acceleration those alone that an inertia or the lag of a filter on the link's encoder could leave: it is a
+    part of each torque, and takes the place of other laws of it otherwise.
+    """
+    free, _ = np.linalg.qr(problem.of_rows(finding.problem.design(members, delay)))
+    left = problem.target[:, 0] - free @ (free.T @ problem.target[:, 0])
+    return [
+        term
+        for term in dictionary(problem.case)
+        if term.driver != CHANGE or float(left @ problem.effect(term)[:, 0, 0]) > 0.0
+    ]
 
 
 def not_the_same(
