@@ -1,6 +1,5 @@
 """Effects that a spring, a scale or a slow wave would imitate: what they are, or nothing, is said of them."""
 
-import numpy as np
 import pytest
 
 from doormill_ros.diagnosis.motion.account import law_sections, named_causes
@@ -60,19 +59,3 @@ def test_a_part_of_one_wave_a_turn_is_no_scale(tmp_path, seed, height):
         assert diagnosis.verdict == "explained"
         assert [double.cause.name for double in scale.doubles] == ["joint_periodic_error"]
     assert set(named) <= {("encoder_scale", "joint 1")}
-
-
-def test_late_encoders_with_slips_are_explained_without_these(tmp_path):
-    hidden = Recording(noise=(3e-6, 1e-6, 5.0))
-    for joint in (1, 2, 3):
-        hidden = hidden.with_gear(joint, late=4e-3)
-    table = record(tmp_path / "set", hidden, 3) / "samples.csv"
-    head, *lines = table.read_text().splitlines()
-    rows = np.array([line.split(",") for line in lines], dtype=float)
-    slipped = np.arange(100, 2400, 150)
-    rows[slipped, 5] += np.where(slipped % 4, 4e-4, -2e-3)
-    np.savetxt(table, rows, fmt="%.9g", delimiter=",", header=head, comments="")
-    diagnosis = diagnose_motions([read_motion_set(table.parent)])
-    assert [list(np.flatnonzero(~one.problem.kept)) for one in diagnosis.joints] == [[], list(slipped), []]
-    (entry,) = named_causes(diagnosis)
-    assert (diagnosis.verdict, entry.cause, entry.where) == ("explained", "time_skew", "link encoders")
