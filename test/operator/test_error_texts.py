@@ -28,7 +28,7 @@ from support.browser import open_page
 from support.waiting import LIMIT
 
 ROOT = Path(__file__).parents[2]
-FOLDER = Path(str(files("doormill_ros.operator"))) / "texts"
+FOLDER = Path(str(files("doormill_ros.operator"))) / "browser" / "texts"
 TEXTS: dict[str, dict[str, str]] = {
     code: json.loads((FOLDER / f"{code}.json").read_text()) for code in LANGUAGES
 }
