@@ -39,7 +39,6 @@ class MotionSet:
         motions: What was recorded of each of them.
         line: Line of each sample in samples.csv, shape (n,).
         commanded: Angles of all joints, shape (n, J) [rad]; J is 7 where joint 7 has a link encoder, else 6.
-        motor_inertia: By joint, of those the model knows [kg m^2].
         noise: Standard deviation of link encoder, motor encoder [rad] and torque [N m]; None where not stated.
     """
 
@@ -51,7 +50,6 @@ class MotionSet:
     motions: tuple[JointMotion, ...]
     line: IntArray
     commanded: FloatArray
-    motor_inertia: tuple[float, ...]
     noise: tuple[float | None, float | None, float | None]
 
     def __len__(self) -> int:
@@ -119,7 +117,6 @@ def read_motion_set(folder: Path) -> MotionSet:
         ),
         line=np.array(table.lines),
         commanded=commanded_angles,
-        motor_inertia=inertia,
         noise=_noise(document),
     )
 

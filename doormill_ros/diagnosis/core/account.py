@@ -210,10 +210,8 @@ def verdict_line(account: Account) -> str:
     if verdict == CONSISTENT:
         if unit.relative:
             return f"{verdict}: the {words.residual} is {before} {unit.told}"
-        called = words.noise if words.assumed else f"measurement {words.noise}"
-        return (
-            f"{verdict}: the {words.residual} of {before} {unit.told} is the {called} ({noise} {unit.told})"
-        )
+        told = f"{words.noise_alone} ({noise} {unit.told})"
+        return f"{verdict}: the {words.residual} of {before} {unit.told} is the {told}"
     against = "" if unit.relative else f" against {noise} {unit.told} of {words.noise}"
     if verdict == UNEXPLAINED:
         return f"{verdict}: {before} {unit.told}{against}, and no known cause earns its place"

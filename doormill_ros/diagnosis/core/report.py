@@ -72,8 +72,7 @@ def _tiles(account: Account) -> Tiles:
         *account.tiles,
     ]
     if not unit.relative:
-        called = words.noise if words.assumed else f"measurement {words.noise}"
-        entries[1:1] = [(unit.spoken(account.noise_floor), called)]
+        entries[1:1] = [(unit.spoken(account.noise_floor), words.noise_alone)]
     if account.causes:
         entries[1:1] = [
             (unit.spoken(account.extended["holdout_rmse"]), f"extended model on unseen {words.unseen}"),

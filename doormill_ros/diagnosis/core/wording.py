@@ -77,6 +77,11 @@ class Words:
         """What the noise is called that everything is weighed by."""
         return "assumed noise" if self.assumed else "noise"
 
+    @property
+    def noise_alone(self) -> str:
+        """The same where nothing else is told beside it."""
+        return self.noise if self.assumed else f"measurement {self.noise}"
+
 
 _SENTENCES = {
     "consistent": "The {model} is right to within the measurement noise. Nothing has to be changed.",

@@ -58,8 +58,7 @@ class RunServer:
         self._node, self._mill, self._ended, self._told = node, mill, ended, told
         self._shared = False
         self._note: RunNote | None = None
-        wall = lambda: ns_to_s(node.get_clock().now().nanoseconds)  # noqa: E731
-        self.desk = RunDesk(Clock(wall=wall, was_set=was_set))
+        self.desk = RunDesk(Clock(wall=lambda: ns_to_s(node.get_clock().now().nanoseconds), was_set=was_set))
         self._result = node.create_publisher(
             topics.RUN_RESULT.type, topics.RUN_RESULT.name, topics.RUN_RESULT.offered
         )

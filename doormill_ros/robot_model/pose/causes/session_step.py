@@ -7,20 +7,19 @@ from collections.abc import Sequence
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.pose.causes.cause import Coefficient, Columns, PoseCause, Reported
+from doormill_ros.robot_model.pose.causes.cause import Coefficient, PoseCause, Reported
 from doormill_ros.robot_model.pose.causes.hints import Hints
-from doormill_ros.robot_model.pose.chain import Placement, direction
+from doormill_ros.robot_model.pose.causes.moved_base import MovedBase
+from doormill_ros.robot_model.pose.chain import Placement
 from doormill_ros.robot_model.pose.view import SetView
 
 MARGIN = 20  #: rows at either end in which no step is looked for
 
 
-class SessionStep(PoseCause):
+class SessionStep(MovedBase):
     """Displacement of the robot's base from one row of a series on."""
 
     name = "session_step"
-    of_robot = False
-    timed = True
 
     def __init__(self, where: str, row: int, spread: int = 1) -> None:
         """Put it on a series ('set NAME'), at the first row after the step, which is known to so many rows."""
@@ -41,25 +40,14 @@ class SessionStep(PoseCause):
             Coefficient(name, unit, f"step {self.where} {self.row} {unit}", 1e-3) for name, unit in names
         )
 
-    def columns(self, view: SetView) -> list[Columns]:
-        """Displacement of the base after the step, in base axes."""
-        if f"set {view.name}" != self.where:
-            return []
-        after = (view.row >= self.row).astype(float)[:, None]
-        return [Columns(direction(0, axis), axis, after) for axis in range(6)]
+    def course_over(self, view: SetView) -> FloatArray:
+        """Nothing before its row, all of it from there on."""
+        return (view.row >= self.row).astype(float)
 
     def reported(self, x: FloatArray, std: FloatArray, seen: Sequence[tuple[SetView, Placement]]) -> Reported:
         """Step and turn in axes of the tracker, the row from which on they act, and its time where that is known."""
-        view, placement = next(one for one in seen if self.where == f"set {one[0].name}")
-        R_tracker_base = placement.T_tracker_base[:3, :3]
-        steps: Reported = {}
-        for name, axes in (("step", slice(0, 3)), ("turn", slice(3, 6))):
-            steps[name] = {
-                "value": [float(v) for v in R_tracker_base @ x[axes]],
-                "std": [float(v) for v in np.sqrt(R_tracker_base**2 @ std[axes] ** 2)],
-                "unit": self.coefficients[axes.start].unit,
-                "axes": "tracker",
-            }
+        view, placement = self.seen_in(seen)
+        steps = self.in_tracker("step", x, std, placement)
         steps["row"] = {"value": self.row, "std": float(self.spread), "unit": "-"}
         at = int(np.searchsorted(view.row, self.row))
         if view.time is not None and np.isfinite(view.time[at]):

@@ -7,13 +7,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.pose.causes.cause import Coefficient, Columns, PoseCause, Reported
+from doormill_ros.robot_model.pose.causes.cause import Coefficient, PoseCause, Reported
 from doormill_ros.robot_model.pose.causes.hints import Hints, TimeCourse
-from doormill_ros.robot_model.pose.chain import Placement, direction
+from doormill_ros.robot_model.pose.causes.moved_base import MovedBase
+from doormill_ros.robot_model.pose.chain import Placement
 from doormill_ros.robot_model.pose.view import SetView
 
 
-class PoseSettling(PoseCause):
+class PoseSettling(MovedBase):
     """Displacement of the robot's base that grows as one minus a decay does, or steadily.
 
     Attributes:
@@ -21,8 +22,6 @@ class PoseSettling(PoseCause):
     """
 
     name = "thermal_drift"
-    of_robot = False
-    timed = True
 
     def __init__(self, where: str, course: TimeCourse) -> None:
         """Put it on a series ('set NAME')."""
@@ -40,25 +39,14 @@ class PoseSettling(PoseCause):
         names = [("x", "m"), ("y", "m"), ("z", "m"), ("turn_x", "rad"), ("turn_y", "rad"), ("turn_z", "rad")]
         return tuple(Coefficient(name, unit, f"settling {self.where} {unit}", 1e-3) for name, unit in names)
 
-    def columns(self, view: SetView) -> list[Columns]:
-        """Displacement of the base, in base axes."""
-        if f"set {view.name}" != self.where:
-            return []
-        grown = self.course.grown(view.elapsed)[:, None]
-        return [Columns(direction(0, axis), axis, grown) for axis in range(6)]
+    def course_over(self, view: SetView) -> FloatArray:
+        """As its course grows."""
+        return self.course.grown(view.elapsed)
 
     def reported(self, x: FloatArray, std: FloatArray, seen: Sequence[tuple[SetView, Placement]]) -> Reported:
         """Displacement and turn in axes of the tracker, and the time constant where it does not grow steadily."""
-        view, placement = next(one for one in seen if self.where == f"set {one[0].name}")
-        R_tracker_base = placement.T_tracker_base[:3, :3]
-        found: Reported = {}
-        for name, axes in (("displacement", slice(0, 3)), ("turn", slice(3, 6))):
-            found[name] = {
-                "value": [float(v) for v in R_tracker_base @ x[axes]],
-                "std": [float(v) for v in np.sqrt(R_tracker_base**2 @ std[axes] ** 2)],
-                "unit": self.coefficients[axes.start].unit,
-                "axes": "tracker",
-            }
+        view, placement = self.seen_in(seen)
+        found = self.in_tracker("displacement", x, std, placement)
         if np.isfinite(self.course.decay):
             span, unit = view.span
             found["time_constant"] = {
