@@ -160,12 +160,10 @@ def test_a_folder_that_hangs_ends_in_a_timeout_and_order_is_kept(tmp_path: Path)
     link = SimulatedFolderTransport(tmp_path, timeout=60.0)
     link._timeout = 0.2
     os.mkfifo(tmp_path / "Hei2.txt")  # opening it blocks in the kernel, as a dead network share does
-    begin = time.monotonic()
     with pytest.raises(ReadTimeoutError):
         link.read_file("Hei2.txt")
     with pytest.raises(WriteTimeoutError):
         link.set_ready(True)
-    assert time.monotonic() - begin < 30.0
     link._timeout = 60.0
     # The share comes back; what timed out behind the hanging call was never sent.
     with open(tmp_path / "Hei2.txt", "wb"):
@@ -259,4 +257,4 @@ def test_wait_is_ended_by_wake(link: SimulatedFolderTransport) -> None:
     threading.Timer(0.05, slow.wake).start()
     begin = time.monotonic()
     slow.wait(LIMIT)
-    assert time.monotonic() - begin < 30.0
+    assert time.monotonic() - begin < LIMIT

@@ -225,7 +225,7 @@ def test_an_event_ends_the_wait(listening: RwsTransport, server: RwsServer) -> N
     threading.Timer(0.05, server.cabinet.set_value, [signals.REQUEST, 1]).start()
     begin = time.monotonic()
     listening.wait(LIMIT)
-    assert time.monotonic() - begin < 30.0
+    assert time.monotonic() - begin < LIMIT
     until(listening.read_request)
 
 
@@ -314,12 +314,10 @@ def test_an_answer_that_trickles_in_is_cut_off(total: float) -> None:
     """Each byte resets a read timeout; only the limit on the whole operation ends this."""
     server = Silent(b"HTTP/1.1 200 OK\r\nContent-Length: 100000\r\n\r\n" + b"x" * 100_000, pause=0.02)
     link = connect_rws1(server.url, LOGIN, timeouts=LinkTimeouts(total=total), subscribe=False)
-    begin = time.monotonic()
     with pytest.raises(ReadTimeoutError, match="longer than"):
         link.read_file("Hei2.txt")
     with pytest.raises(WriteTimeoutError):
         link.set_ready(True)
-    assert time.monotonic() - begin < 60.0
     server.close()
     link.close()
 
