@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from doormill_ros.diagnosis.parts.next_step import NextStep
+from doormill_ros.diagnosis.parts.telling.next_step import NextStep
 from doormill_ros.units import m_to_mm
 
 ALWAYS = "always"

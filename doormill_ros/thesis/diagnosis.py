@@ -13,7 +13,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from doormill_ros.arrays import BoolArray, FloatArray
-from doormill_ros.diagnosis.core.ranking import ranked
+from doormill_ros.diagnosis.core.fitting.ranking import ranked
 from doormill_ros.diagnosis.loading.path_shift import DOOR, paths_apart
 from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
 from doormill_ros.robot_model.elastic.causes.joint_stiffness import JointStiffness

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from doormill_ros.diagnosis.core.wording import MICRO, micrometres, spoken, with_deviation
+from doormill_ros.diagnosis.core.words.wording import MICRO, micrometres, spoken, with_deviation
 from doormill_ros.pages.charts import BLUE, GREEN, GREY, RED, WIDE, BarRow, Curve, bars, scatter
 from doormill_ros.pages.page import Charts, Page, PageSection, Paragraphs, Table, render
 from doormill_ros.thesis.diagnosis import ThesisDiagnosis, ThesisRow

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from doormill_ros.diagnosis.core.document import write_diagnosis
-from doormill_ros.diagnosis.core.margin import Margin
+from doormill_ros.diagnosis.core.telling.document import write_diagnosis
+from doormill_ros.diagnosis.core.words.margin import Margin
 from doormill_ros.robot_model.extended_document import model_document
 from doormill_ros.robot_model.model_file import MODEL_FILE
 from doormill_ros.thesis.diagnosis import AS_GOOD, ThesisCandidate, ThesisDiagnosis, diagnose_thesis

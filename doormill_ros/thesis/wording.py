@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from doormill_ros.diagnosis.core.wording import spoken, with_deviation
+from doormill_ros.diagnosis.core.words.wording import spoken, with_deviation
 from doormill_ros.thesis.diagnosis import AS_GOOD, ThesisDiagnosis
 
 

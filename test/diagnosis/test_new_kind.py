@@ -10,9 +10,9 @@ import pytest
 import yaml
 
 from doormill_ros.diagnosis import kinds
+from doormill_ros.diagnosis.core.fitting.problem import Examined, Prediction, make_folds
 from doormill_ros.diagnosis.core.kind import SearchedKind
-from doormill_ros.diagnosis.core.problem import Examined, Prediction, make_folds
-from doormill_ros.diagnosis.core.wording import Unit, Words
+from doormill_ros.diagnosis.core.words.wording import Unit, Words
 from doormill_ros.pages.page import PageSection, Paragraphs
 from doormill_ros.robot_model.candidate import Candidate, CauseParameter
 from doormill_ros.tools.diagnose import main
@@ -215,8 +215,8 @@ def test_a_kind_may_have_an_option_of_its_own(monkeypatch, tmp_path, capsys):
 def test_the_core_knows_no_kind():
     """What is common to all kinds imports none of them, nor what only one of them measures."""
     core = Path(kinds.__file__).parent / "core"
-    sources = {path.name: path.read_text(encoding="utf-8") for path in core.glob("*.py")}
-    assert len(sources) > 10
+    sources = {str(path.relative_to(core)): path.read_text(encoding="utf-8") for path in core.rglob("*.py")}
+    assert len(sources) > 30
     for name, text in sources.items():
         for other in ("loading", "pose", "camera", "parts", "motion", "kinds"):
             assert f"doormill_ros.diagnosis.{other}" not in text, name

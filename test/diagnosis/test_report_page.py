@@ -2,7 +2,7 @@
 
 import pytest
 
-from doormill_ros.diagnosis.core.wording import MICRO, micrometres, spoken, with_deviation
+from doormill_ros.diagnosis.core.words.wording import MICRO, micrometres, spoken, with_deviation
 from doormill_ros.robot_model.elastic.causes.registry import build_cause
 from doormill_ros.tools.diagnose import main
 from support.browser import open_page

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from doormill_ros.diagnosis.core.ranking import QUANTUM
+from doormill_ros.diagnosis.core.fitting.ranking import QUANTUM
 from support.source_tree import DATA, ROOT
 from support.truth.hidden_effects import draw_effect, scale_effect
 from support.truth.loading_test import Spoil, draw_plan, write_loading_test

@@ -20,10 +20,10 @@ import doormill_ros.models.errors
 import doormill_ros.monitor.errors
 from doormill_ros.abb.handshake.state import HandshakeState
 from doormill_ros.cell.errors import CellError, OutOfToleranceError
-from doormill_ros.diagnosis.core import verdict
 from doormill_ros.diagnosis.core.changes import DRIFT, STEP
+from doormill_ros.diagnosis.core.words import verdict
 from doormill_ros.diagnosis.parts.effects.registry import effects
-from doormill_ros.diagnosis.parts.next_step import STEPS, NextStep, next_sentence
+from doormill_ros.diagnosis.parts.telling.next_step import STEPS, NextStep, next_sentence
 from doormill_ros.diagnosis.runs.causes import effects_of
 from doormill_ros.diagnosis.runs.channels import (
     ANSWER,

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page, expect
 
-from doormill_ros.diagnosis.parts.next_step import NextStep
+from doormill_ros.diagnosis.parts.telling.next_step import NextStep
 from doormill_ros.monitor.finding import NamedFault
 from doormill_ros.operator.views.door_view import DoorView, FeatureView
 from doormill_ros.operator.views.ended_run import EndedRun

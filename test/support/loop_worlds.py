@@ -10,9 +10,9 @@ import numpy as np
 import yaml
 
 from doormill_ros.cell.layout import DoorOffset
+from doormill_ros.diagnosis.parts.correction.model import door_model_document
+from doormill_ros.diagnosis.parts.fitting.problem import DoorDiagnosis
 from doormill_ros.diagnosis.parts.kind import Inspections
-from doormill_ros.diagnosis.parts.model import door_model_document
-from doormill_ros.diagnosis.parts.problem import DoorDiagnosis
 from doormill_ros.pipeline.plan import MillingSetup, PlannedProgram, plan
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.recipes.program import Program

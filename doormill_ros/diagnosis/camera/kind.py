@@ -12,9 +12,9 @@ import numpy as np
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.diagnosis.camera.causes import CameraCause
 from doormill_ros.diagnosis.camera.problem import CameraDiagnosis, PictureProblem
-from doormill_ros.diagnosis.core.account import Account, account_of
 from doormill_ros.diagnosis.core.kind import Progress, SearchedKind
-from doormill_ros.diagnosis.core.wording import Words
+from doormill_ros.diagnosis.core.telling.account import Account, account_of
+from doormill_ros.diagnosis.core.words.wording import Words
 from doormill_ros.localization.errors import LocalizationError
 from doormill_ros.localization.localizer import localize
 from doormill_ros.localization.result import Localization

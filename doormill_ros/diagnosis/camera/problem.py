@@ -10,8 +10,8 @@ import numpy as np
 from doormill_ros.arrays import BoolArray, FloatArray, IntArray
 from doormill_ros.diagnosis.camera.causes import CameraCause, camera_causes
 from doormill_ros.diagnosis.core.diagnosis import Diagnosis
-from doormill_ros.diagnosis.core.problem import Examined, Prediction, make_folds
-from doormill_ros.diagnosis.core.wording import Unit
+from doormill_ros.diagnosis.core.fitting.problem import Examined, Prediction, make_folds
+from doormill_ros.diagnosis.core.words.wording import Unit
 from doormill_ros.measurements.picture_reading import Localisations
 
 #: Lengths and an angle together: each counts by its own standard deviation.

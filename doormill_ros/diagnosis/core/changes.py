@@ -10,7 +10,7 @@ import numpy as np
 
 from doormill_ros.diagnosis.core.course import OverTime
 from doormill_ros.diagnosis.core.diagnosis import Diagnosis, diagnose_problem
-from doormill_ros.diagnosis.core.fit import fit
+from doormill_ros.diagnosis.core.fitting.fit import fit
 
 STEP, DRIFT = "step", "drift"
 _SURE = 0.95

@@ -9,17 +9,17 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray
-from doormill_ros.diagnosis.core.beam import BeamSearch
-from doormill_ros.diagnosis.core.characterised import Characterised
-from doormill_ros.diagnosis.core.examination import Examination
-from doormill_ros.diagnosis.core.finding import Finding, make_findings
-from doormill_ros.diagnosis.core.fit import Fit
-from doormill_ros.diagnosis.core.fit_examiner import FitExaminer
+from doormill_ros.diagnosis.core.examining.examination import Examination
+from doormill_ros.diagnosis.core.examining.finding import Finding, make_findings
+from doormill_ros.diagnosis.core.examining.fit_examiner import FitExaminer
+from doormill_ros.diagnosis.core.examining.stability import clustered, turned_joint
+from doormill_ros.diagnosis.core.fitting.fit import Fit
+from doormill_ros.diagnosis.core.fitting.problem import C, Examined
+from doormill_ros.diagnosis.core.fitting.robust import gross_errors
 from doormill_ros.diagnosis.core.judgement import Judgement, Question, judge_question, less
-from doormill_ros.diagnosis.core.problem import C, Examined
-from doormill_ros.diagnosis.core.robust import gross_errors
-from doormill_ros.diagnosis.core.stability import clustered, turned_joint
-from doormill_ros.diagnosis.core.verdict import rmse
+from doormill_ros.diagnosis.core.searching.beam import BeamSearch
+from doormill_ros.diagnosis.core.telling.characterised import Characterised
+from doormill_ros.diagnosis.core.words.verdict import rmse
 
 P = TypeVar("P", bound=Examined[Any])
 

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Generic, TypeVar
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.core.examination import Examination, Examiner, compared, examined
-from doormill_ros.diagnosis.core.margin import Margin
-from doormill_ros.diagnosis.core.search import K, M
-from doormill_ros.diagnosis.core.verdict import CONSISTENT, UNEXPLAINED, judge
+from doormill_ros.diagnosis.core.examining.examination import Examination, Examiner, compared, examined
+from doormill_ros.diagnosis.core.searching.search import K, M
+from doormill_ros.diagnosis.core.words.margin import Margin
+from doormill_ros.diagnosis.core.words.verdict import CONSISTENT, UNEXPLAINED, judge
 from doormill_ros.statistics import bootstrap_ratio
 
 

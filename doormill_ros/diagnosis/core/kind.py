@@ -9,13 +9,13 @@ from typing import Any, ClassVar, Generic, TypeVar
 
 import numpy as np
 
-from doormill_ros.diagnosis.core.account import Account, account_of, verdict_line
 from doormill_ros.diagnosis.core.diagnosis import Diagnosis, P, diagnose_problem
-from doormill_ros.diagnosis.core.document import diagnosis_document, write_diagnosis
-from doormill_ros.diagnosis.core.problem import C
-from doormill_ros.diagnosis.core.report import render_report
-from doormill_ros.diagnosis.core.verdict import rmse
-from doormill_ros.diagnosis.core.wording import Words
+from doormill_ros.diagnosis.core.fitting.problem import C
+from doormill_ros.diagnosis.core.telling.account import Account, account_of, verdict_line
+from doormill_ros.diagnosis.core.telling.document import diagnosis_document, write_diagnosis
+from doormill_ros.diagnosis.core.telling.report import render_report
+from doormill_ros.diagnosis.core.words.verdict import rmse
+from doormill_ros.diagnosis.core.words.wording import Words
 
 #: A set as it was read, and what a diagnosis of several knows.
 S = TypeVar("S")

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.core.fit import (
+from doormill_ros.diagnosis.core.fitting.fit import (
     PATIENT,
     RIDGE,
     RISE,
@@ -24,10 +24,10 @@ from doormill_ros.diagnosis.core.fit import (
     bounds,
     fit,
 )
-from doormill_ros.diagnosis.core.preview import Slopes
-from doormill_ros.diagnosis.core.problem import Prediction
-from doormill_ros.diagnosis.core.ranking import QUANTUM
-from doormill_ros.diagnosis.core.robust import robust_sum, same_left_out, trial_weights
+from doormill_ros.diagnosis.core.fitting.problem import Prediction
+from doormill_ros.diagnosis.core.fitting.ranking import QUANTUM
+from doormill_ros.diagnosis.core.fitting.robust import robust_sum, same_left_out, trial_weights
+from doormill_ros.diagnosis.core.searching.preview import Slopes
 from doormill_ros.diagnosis.law.linear import Established, LinearProblem
 from doormill_ros.diagnosis.law.projection import Projection, Weighted
 

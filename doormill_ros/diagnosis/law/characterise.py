@@ -12,11 +12,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray
-from doormill_ros.diagnosis.core.beam import EQUAL
-from doormill_ros.diagnosis.core.characterised import Characterised, Rival, UnnamedLaw
-from doormill_ros.diagnosis.core.fit import Fit
-from doormill_ros.diagnosis.core.problem import C
-from doormill_ros.diagnosis.core.verdict import PARTLY_EXPLAINED, UNEXPLAINED, rmse
+from doormill_ros.diagnosis.core.fitting.fit import Fit
+from doormill_ros.diagnosis.core.fitting.problem import C
+from doormill_ros.diagnosis.core.searching.beam import EQUAL
+from doormill_ros.diagnosis.core.telling.characterised import Characterised, Rival, UnnamedLaw
+from doormill_ros.diagnosis.core.words.verdict import PARTLY_EXPLAINED, UNEXPLAINED, rmse
 from doormill_ros.diagnosis.law.place import Places
 from doormill_ros.diagnosis.law.repeated import Repeated
 from doormill_ros.diagnosis.law.search import LawSearch

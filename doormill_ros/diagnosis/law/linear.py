@@ -9,9 +9,9 @@ from typing import Any, Self
 import numpy as np
 
 from doormill_ros.arrays import FloatArray, IntArray
-from doormill_ros.diagnosis.core.fit import Fit
-from doormill_ros.diagnosis.core.problem import Prediction, make_folds
-from doormill_ros.diagnosis.core.wording import METRES, Unit
+from doormill_ros.diagnosis.core.fitting.fit import Fit
+from doormill_ros.diagnosis.core.fitting.problem import Prediction, make_folds
+from doormill_ros.diagnosis.core.words.wording import METRES, Unit
 from doormill_ros.robot_model.candidate import Candidate
 
 

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.core.fit import Fit, normal_equations
-from doormill_ros.diagnosis.core.held_out import scatter_of
+from doormill_ros.diagnosis.core.fitting.fit import Fit, normal_equations
+from doormill_ros.diagnosis.core.fitting.held_out import scatter_of
 from doormill_ros.diagnosis.law.linear import Established, LinearProblem
 
 

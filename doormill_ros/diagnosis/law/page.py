@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from doormill_ros.diagnosis.core.characterised import Characterised, UnnamedLaw
-from doormill_ros.diagnosis.core.wording import Unit
+from doormill_ros.diagnosis.core.telling.characterised import Characterised, UnnamedLaw
+from doormill_ros.diagnosis.core.words.wording import Unit
 from doormill_ros.diagnosis.law.linear import LinearProblem
 from doormill_ros.pages.charts import BLUE, RED, WIDE, Curve, scatter
 from doormill_ros.pages.page import Block, Charts, Paragraphs

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.core.characterised import Characterised
-from doormill_ros.diagnosis.core.fit import Fit
-from doormill_ros.diagnosis.core.verdict import AT_NOISE
+from doormill_ros.diagnosis.core.fitting.fit import Fit
+from doormill_ros.diagnosis.core.telling.characterised import Characterised
+from doormill_ros.diagnosis.core.words.verdict import AT_NOISE
 from doormill_ros.diagnosis.law.beside import Beside
 from doormill_ros.diagnosis.law.characterise import account
 from doormill_ros.diagnosis.law.linear import Established, LinearProblem

@@ -12,8 +12,8 @@ from typing import Generic
 import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray
-from doormill_ros.diagnosis.core.fit import Fit
-from doormill_ros.diagnosis.core.problem import C, make_folds
+from doormill_ros.diagnosis.core.fitting.fit import Fit
+from doormill_ros.diagnosis.core.fitting.problem import C, make_folds
 from doormill_ros.diagnosis.law.search import LawSearch
 from doormill_ros.diagnosis.law.some_rows import SomeRows
 from doormill_ros.statistics import resampled

@@ -12,11 +12,11 @@ from typing import Generic
 import numpy as np
 
 from doormill_ros.arrays import FloatArray, IntArray
-from doormill_ros.diagnosis.core.beam import ENTRY, BeamSearch, may_join
-from doormill_ros.diagnosis.core.fit import Fit
-from doormill_ros.diagnosis.core.price import price_of_number
-from doormill_ros.diagnosis.core.problem import C, Problem
-from doormill_ros.diagnosis.core.ranking import QUANTUM, ranks
+from doormill_ros.diagnosis.core.fitting.fit import Fit
+from doormill_ros.diagnosis.core.fitting.price import price_of_number
+from doormill_ros.diagnosis.core.fitting.problem import C, Problem
+from doormill_ros.diagnosis.core.fitting.ranking import QUANTUM, ranks
+from doormill_ros.diagnosis.core.searching.beam import ENTRY, BeamSearch, may_join
 from doormill_ros.diagnosis.law.beside import Beside
 from doormill_ros.diagnosis.law.place import Places
 from doormill_ros.robot_model.law.term import Term

@@ -8,7 +8,7 @@ from typing import Any, Generic
 import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray
-from doormill_ros.diagnosis.core.problem import C, Prediction, Problem, make_folds
+from doormill_ros.diagnosis.core.fitting.problem import C, Prediction, Problem, make_folds
 
 
 class SomeRows(Generic[C]):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.core.wording import spoken
+from doormill_ros.diagnosis.core.words.wording import spoken
 from doormill_ros.robot_model.candidate import Candidate
 from doormill_ros.robot_model.law.term import Term
 

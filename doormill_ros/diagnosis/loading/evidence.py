@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from doormill_ros.diagnosis.core.wording import micrometres
+from doormill_ros.diagnosis.core.words.wording import micrometres
 from doormill_ros.diagnosis.loading import pictures
 from doormill_ros.diagnosis.loading.law_page import law_page
 from doormill_ros.diagnosis.loading.next_measurement import DECIDED, NextMeasurement

@@ -7,9 +7,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from doormill_ros.diagnosis.core.account import Account, account_of
 from doormill_ros.diagnosis.core.kind import Progress, SearchedKind
-from doormill_ros.diagnosis.core.wording import Words
+from doormill_ros.diagnosis.core.telling.account import Account, account_of
+from doormill_ros.diagnosis.core.words.wording import Words
 from doormill_ros.diagnosis.loading.evidence import evidence, next_trials_table
 from doormill_ros.diagnosis.loading.laws import law_sections, sized_laws, with_laws
 from doormill_ros.diagnosis.loading.next_measurement import NextMeasurement, plan_next

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.core.characterised import Characterised, UnnamedLaw
-from doormill_ros.diagnosis.core.wording import MICRO
+from doormill_ros.diagnosis.core.telling.characterised import Characterised, UnnamedLaw
+from doormill_ros.diagnosis.core.words.wording import MICRO
 from doormill_ros.diagnosis.law.page import TITLE, lead, sentence
 from doormill_ros.diagnosis.loading.problem import LoadingDiagnosis
 from doormill_ros.pages.charts import BLUE, RED, WIDE, Curve, scatter

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from doormill_ros.diagnosis.core.characterised import Characterised
-from doormill_ros.diagnosis.core.finding import make_findings
-from doormill_ros.diagnosis.core.fit_examiner import STRUCTURE, excess_probability
+from doormill_ros.diagnosis.core.examining.finding import make_findings
+from doormill_ros.diagnosis.core.examining.fit_examiner import STRUCTURE, excess_probability
 from doormill_ros.diagnosis.core.kind import Progress
-from doormill_ros.diagnosis.core.verdict import AT_NOISE
+from doormill_ros.diagnosis.core.telling.characterised import Characterised
+from doormill_ros.diagnosis.core.words.verdict import AT_NOISE
 from doormill_ros.diagnosis.law.characterise import characterise, remains
 from doormill_ros.diagnosis.law.labels import not_tried, without_labels
 from doormill_ros.diagnosis.law.search import LawSearch

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.core.beam import EQUAL
-from doormill_ros.diagnosis.core.fit import Fit
-from doormill_ros.diagnosis.core.ranking import first_largest, ranked
+from doormill_ros.diagnosis.core.fitting.fit import Fit
+from doormill_ros.diagnosis.core.fitting.ranking import first_largest, ranked
+from doormill_ros.diagnosis.core.searching.beam import EQUAL
 from doormill_ros.diagnosis.loading.possible_trials import LOAD_NAMES, chosen_of, possible_trials
 from doormill_ros.diagnosis.loading.problem import LoadingDiagnosis, LoadingProblem
 from doormill_ros.measurements.trials import Trials

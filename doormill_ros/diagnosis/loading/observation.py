@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.core.problem import split
+from doormill_ros.diagnosis.core.fitting.problem import split
 from doormill_ros.measurements.trials import Trials
 from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
 from doormill_ros.robot_model.elastic.load_case import LoadCase

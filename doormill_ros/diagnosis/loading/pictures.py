@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.core.finding import Finding
-from doormill_ros.diagnosis.core.fit import Fit
-from doormill_ros.diagnosis.core.verdict import rmse
-from doormill_ros.diagnosis.core.wording import MICRO, spoken
+from doormill_ros.diagnosis.core.examining.finding import Finding
+from doormill_ros.diagnosis.core.fitting.fit import Fit
+from doormill_ros.diagnosis.core.words.verdict import rmse
+from doormill_ros.diagnosis.core.words.wording import MICRO, spoken
 from doormill_ros.diagnosis.loading.problem import LoadingDiagnosis, LoadingProblem
 from doormill_ros.pages.charts import BLUE, DARK, GREY, HALF, RED, WIDE, BarRow, Curve, bars, scatter
 from doormill_ros.robot_model.elastic.causes.cause import DIRECTION, OWN_TORQUE, TIME, ElasticCause

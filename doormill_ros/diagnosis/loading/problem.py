@@ -9,9 +9,9 @@ import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray, IntArray
 from doormill_ros.diagnosis.core.diagnosis import Diagnosis
-from doormill_ros.diagnosis.core.margin import Check
-from doormill_ros.diagnosis.core.problem import Prediction, make_folds, split
-from doormill_ros.diagnosis.core.wording import METRES
+from doormill_ros.diagnosis.core.fitting.problem import Prediction, make_folds, split
+from doormill_ros.diagnosis.core.words.margin import Check
+from doormill_ros.diagnosis.core.words.wording import METRES
 from doormill_ros.diagnosis.loading.hidden_states import (
     HiddenEffect,
     hidden_effect,

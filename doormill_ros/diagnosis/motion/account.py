@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.core.account import NamedCause
-from doormill_ros.diagnosis.core.examination import Double
-from doormill_ros.diagnosis.core.wording import spoken
+from doormill_ros.diagnosis.core.examining.examination import Double
+from doormill_ros.diagnosis.core.telling.account import NamedCause
+from doormill_ros.diagnosis.core.words.wording import spoken
 from doormill_ros.diagnosis.motion.diagnosis import ENCODERS, MotionDiagnosis, mean_square
 from doormill_ros.diagnosis.motion.examination import JointFinding
 from doormill_ros.diagnosis.motion.laws import model_with_laws

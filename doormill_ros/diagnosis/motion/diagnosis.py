@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.core.characterised import Characterised
-from doormill_ros.diagnosis.core.examination import Double, Examination, compared, examined
+from doormill_ros.diagnosis.core.examining.examination import Double, Examination, compared, examined
 from doormill_ros.diagnosis.core.judgement import Judgement, Question, judge_question
-from doormill_ros.diagnosis.core.verdict import MAIN_PART
+from doormill_ros.diagnosis.core.telling.characterised import Characterised
+from doormill_ros.diagnosis.core.words.verdict import MAIN_PART
 from doormill_ros.diagnosis.law.linear import LinearProblem
 from doormill_ros.diagnosis.motion.examination import JointExaminer, JointFinding
 from doormill_ros.diagnosis.motion.model import JointFit, model_of

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Self
 
-from doormill_ros.diagnosis.core.examination import MOST_REMAINS, Double, Examination, Examiner
-from doormill_ros.diagnosis.core.margin import Check, Margin
-from doormill_ros.diagnosis.core.verdict import AT_NOISE
+from doormill_ros.diagnosis.core.examining.examination import MOST_REMAINS, Double, Examination, Examiner
+from doormill_ros.diagnosis.core.words.margin import Check, Margin
+from doormill_ros.diagnosis.core.words.verdict import AT_NOISE
 from doormill_ros.diagnosis.motion.imitations import in_place_of_scale, lag_beyond_delay, part_of_a_wave
 from doormill_ros.diagnosis.motion.model import JointFit
 from doormill_ros.diagnosis.motion.patterns import MotionPattern

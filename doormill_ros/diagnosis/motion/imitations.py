@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from doormill_ros.diagnosis.core.verdict import AT_NOISE
+from doormill_ros.diagnosis.core.words.verdict import AT_NOISE
 from doormill_ros.diagnosis.motion.model import JointFit
 from doormill_ros.diagnosis.motion.search import ENTRY, EQUAL, JointSearch
 from doormill_ros.robot_model.motion.causes.cause import DELAY, MotionCause

@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from doormill_ros.diagnosis.core.account import Account, told
 from doormill_ros.diagnosis.core.kind import Kind, Progress
-from doormill_ros.diagnosis.core.wording import RADIANS, Words
+from doormill_ros.diagnosis.core.telling.account import Account, told
+from doormill_ros.diagnosis.core.words.wording import RADIANS, Words
 from doormill_ros.diagnosis.law.page import TITLE, lead, picture, sentence
 from doormill_ros.diagnosis.motion import pictures
 from doormill_ros.diagnosis.motion.account import (

@@ -11,10 +11,10 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.core.beam import EQUAL
-from doormill_ros.diagnosis.core.fit import Fit
-from doormill_ros.diagnosis.core.ranking import ranks
-from doormill_ros.diagnosis.core.verdict import AT_NOISE
+from doormill_ros.diagnosis.core.fitting.fit import Fit
+from doormill_ros.diagnosis.core.fitting.ranking import ranks
+from doormill_ros.diagnosis.core.searching.beam import EQUAL
+from doormill_ros.diagnosis.core.words.verdict import AT_NOISE
 from doormill_ros.diagnosis.law.linear import LinearProblem
 from doormill_ros.diagnosis.law.remainder import Searched, searched_once
 from doormill_ros.diagnosis.motion.examination import JointFinding

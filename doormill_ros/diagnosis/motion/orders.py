@@ -8,7 +8,7 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.core.ranking import first_largest
+from doormill_ros.diagnosis.core.fitting.ranking import first_largest
 from doormill_ros.diagnosis.motion.model import JointFit
 from doormill_ros.diagnosis.motion.problem import JointProblem
 from doormill_ros.robot_model.motion.causes.joint_periodic_error import (

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray, IntArray
-from doormill_ros.diagnosis.core.held_out import left_out, scatter_of
+from doormill_ros.diagnosis.core.fitting.held_out import left_out, scatter_of
 from doormill_ros.diagnosis.motion.model import JointFit, model_of, stiffness_of
 from doormill_ros.diagnosis.motion.noise import chance_of, mean_square_of, no_slips, noise_floor
 from doormill_ros.robot_model.motion.causes.cause import MotionCause

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from doormill_ros.arrays import IntArray
-from doormill_ros.diagnosis.core.fit import Fit
-from doormill_ros.diagnosis.core.wording import RADIANS
+from doormill_ros.diagnosis.core.fitting.fit import Fit
+from doormill_ros.diagnosis.core.words.wording import RADIANS
 from doormill_ros.diagnosis.law.linear import Established, LinearProblem, established
 from doormill_ros.diagnosis.law.numbers import numbers_beside
 from doormill_ros.diagnosis.motion.model import JointFit

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.core.held_out import standard_errors
-from doormill_ros.diagnosis.core.ranking import ranked, ranks
-from doormill_ros.diagnosis.core.search import Search
+from doormill_ros.diagnosis.core.fitting.held_out import standard_errors
+from doormill_ros.diagnosis.core.fitting.ranking import ranked, ranks
+from doormill_ros.diagnosis.core.searching.search import Search
 from doormill_ros.diagnosis.motion.model import JointFit
 from doormill_ros.diagnosis.motion.orders import wave_candidates
 from doormill_ros.diagnosis.motion.problem import JointProblem

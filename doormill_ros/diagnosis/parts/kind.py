@@ -11,7 +11,6 @@ import numpy as np
 
 from doormill_ros.catalogue.known_bags import known_bag
 from doormill_ros.cell.layout import load_layout
-from doormill_ros.diagnosis.core.account import Account, account_of
 from doormill_ros.diagnosis.core.changes import (
     STEP,
     change_sentences,
@@ -20,21 +19,22 @@ from doormill_ros.diagnosis.core.changes import (
     diagnosed_at,
 )
 from doormill_ros.diagnosis.core.kind import Progress, SearchedKind
-from doormill_ros.diagnosis.core.wording import Words
-from doormill_ros.diagnosis.parts.charts import charts_of
-from doormill_ros.diagnosis.parts.course import InTime
-from doormill_ros.diagnosis.parts.gauged_door import GaugedDoor
-from doormill_ros.diagnosis.parts.in_use import in_use_document
-from doormill_ros.diagnosis.parts.matching import matched_points
-from doormill_ros.diagnosis.parts.model import door_model_document, usable
-from doormill_ros.diagnosis.parts.next_door import PLACES, checks_of, next_steps
-from doormill_ros.diagnosis.parts.next_step import next_document, next_sentence
-from doormill_ros.diagnosis.parts.problem import DoorDiagnosis, DoorProblem
-from doormill_ros.diagnosis.parts.recorded_cut import RecordedCut, recorded_cut
-from doormill_ros.diagnosis.parts.slips import BESIDE, FAR, slips, slips_beside
-from doormill_ros.diagnosis.parts.steps import possible_steps
-from doormill_ros.diagnosis.parts.warming import warmed
-from doormill_ros.diagnosis.parts.without_name import (
+from doormill_ros.diagnosis.core.telling.account import Account, account_of
+from doormill_ros.diagnosis.core.words.wording import Words
+from doormill_ros.diagnosis.parts.correction.in_use import in_use_document
+from doormill_ros.diagnosis.parts.correction.model import door_model_document, usable
+from doormill_ros.diagnosis.parts.correction.warming import warmed
+from doormill_ros.diagnosis.parts.doors.gauged_door import GaugedDoor
+from doormill_ros.diagnosis.parts.doors.matching import matched_points
+from doormill_ros.diagnosis.parts.doors.recorded_cut import RecordedCut, recorded_cut
+from doormill_ros.diagnosis.parts.fitting.course import InTime
+from doormill_ros.diagnosis.parts.fitting.problem import DoorDiagnosis, DoorProblem
+from doormill_ros.diagnosis.parts.fitting.slips import BESIDE, FAR, slips, slips_beside
+from doormill_ros.diagnosis.parts.fitting.steps import possible_steps
+from doormill_ros.diagnosis.parts.telling.charts import charts_of
+from doormill_ros.diagnosis.parts.telling.next_door import PLACES, checks_of, next_steps
+from doormill_ros.diagnosis.parts.telling.next_step import next_document, next_sentence
+from doormill_ros.diagnosis.parts.telling.without_name import (
     asked_beside,
     laws_of,
     unnamed_document,

@@ -9,11 +9,11 @@ import numpy as np
 
 from doormill_ros.diagnosis.pose.coverage import BINS, bin_of, covered
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
-from doormill_ros.diagnosis.pose.fit import deviation
+from doormill_ros.diagnosis.pose.fitting.fit import deviation
+from doormill_ros.diagnosis.pose.fitting.model import figures
+from doormill_ros.diagnosis.pose.fitting.noise import expected
+from doormill_ros.diagnosis.pose.fitting.placement import Seen, place_together
 from doormill_ros.diagnosis.pose.laws import model_with_laws, placements_with_laws
-from doormill_ros.diagnosis.pose.model import figures
-from doormill_ros.diagnosis.pose.noise import expected
-from doormill_ros.diagnosis.pose.placement import Seen, place_together
 from doormill_ros.measurements.pose_set import PoseSet, placement_owners
 from doormill_ros.robot_model.pose.chain import Placement, frames, residual
 from doormill_ros.robot_model.pose.model import PoseModel

@@ -9,19 +9,19 @@ from functools import cached_property
 import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray
-from doormill_ros.diagnosis.core.characterised import Characterised
-from doormill_ros.diagnosis.core.examination import Examination
+from doormill_ros.diagnosis.core.examining.examination import Examination
 from doormill_ros.diagnosis.core.judgement import Judgement, Question, judge_question
-from doormill_ros.diagnosis.core.verdict import MAIN_PART
+from doormill_ros.diagnosis.core.telling.characterised import Characterised
+from doormill_ros.diagnosis.core.words.verdict import MAIN_PART
 from doormill_ros.diagnosis.pose.examination import PoseExaminer
-from doormill_ros.diagnosis.pose.fit import deviation, fit_causes, place_nominally
-from doormill_ros.diagnosis.pose.model import Errors, SeriesFit, rmse, standard_deviations
-from doormill_ros.diagnosis.pose.noise import common_noise, evened
-from doormill_ros.diagnosis.pose.search import PoseSearch
-from doormill_ros.diagnosis.pose.selection import Score
-from doormill_ros.diagnosis.pose.standing import find_standing, stood
+from doormill_ros.diagnosis.pose.fitting.fit import deviation, fit_causes, place_nominally
+from doormill_ros.diagnosis.pose.fitting.model import Errors, SeriesFit, rmse, standard_deviations
+from doormill_ros.diagnosis.pose.fitting.noise import common_noise, evened
+from doormill_ros.diagnosis.pose.fitting.validation import by_block
+from doormill_ros.diagnosis.pose.searching.search import PoseSearch
+from doormill_ros.diagnosis.pose.searching.selection import Score
+from doormill_ros.diagnosis.pose.stance.standing import find_standing, stood
 from doormill_ros.diagnosis.pose.together import check_names, check_together
-from doormill_ros.diagnosis.pose.validation import by_block
 from doormill_ros.measurements.pose_set import PoseSet
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
 from doormill_ros.robot_model.pose.law.term import PoseTerm

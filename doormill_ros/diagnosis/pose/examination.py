@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from doormill_ros.arrays import BoolArray
-from doormill_ros.diagnosis.core.examination import Double, Examiner
-from doormill_ros.diagnosis.core.margin import Check, Margin
-from doormill_ros.diagnosis.core.ridge import leans
-from doormill_ros.diagnosis.core.verdict import AT_NOISE
-from doormill_ros.diagnosis.pose.fit import Fitted
-from doormill_ros.diagnosis.pose.model import SeriesFit, rmse
-from doormill_ros.diagnosis.pose.noise import evened
-from doormill_ros.diagnosis.pose.search import PoseSearch
-from doormill_ros.diagnosis.pose.selection import SURE
-from doormill_ros.diagnosis.pose.validation import Validation
+from doormill_ros.diagnosis.core.examining.examination import Double, Examiner
+from doormill_ros.diagnosis.core.fitting.ridge import leans
+from doormill_ros.diagnosis.core.words.margin import Check, Margin
+from doormill_ros.diagnosis.core.words.verdict import AT_NOISE
+from doormill_ros.diagnosis.pose.fitting.fit import Fitted
+from doormill_ros.diagnosis.pose.fitting.model import SeriesFit, rmse
+from doormill_ros.diagnosis.pose.fitting.noise import evened
+from doormill_ros.diagnosis.pose.fitting.validation import Validation
+from doormill_ros.diagnosis.pose.searching.search import PoseSearch
+from doormill_ros.diagnosis.pose.searching.selection import SURE
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
 from doormill_ros.robot_model.pose.causes.session_step import SessionStep
 from doormill_ros.robot_model.pose.causes.thermal_drift import PoseDrift

@@ -7,12 +7,18 @@ from pathlib import Path
 from typing import Any
 
 from doormill_ros.arrays import BoolArray, FloatArray
-from doormill_ros.diagnosis.core.account import Account, told
-from doormill_ros.diagnosis.core.document import cause_entry
 from doormill_ros.diagnosis.core.kind import Kind, Progress
-from doormill_ros.diagnosis.core.wording import Unit, Words
+from doormill_ros.diagnosis.core.telling.account import Account, told
+from doormill_ros.diagnosis.core.telling.document import cause_entry
+from doormill_ros.diagnosis.core.words.wording import Unit, Words
 from doormill_ros.diagnosis.law.page import TITLE, lead, picture, sentence
-from doormill_ros.diagnosis.pose.causes import (
+from doormill_ros.diagnosis.pose.check import check_set
+from doormill_ros.diagnosis.pose.coverage import coverage
+from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis, diagnose_poses
+from doormill_ros.diagnosis.pose.fitting.model import Errors, figures
+from doormill_ros.diagnosis.pose.laws import model_with_laws, with_laws
+from doormill_ros.diagnosis.pose.stance.standing import standing_document, standing_remarks
+from doormill_ros.diagnosis.pose.telling.causes import (
     WITHIN,
     causes_of,
     doubts,
@@ -21,20 +27,14 @@ from doormill_ros.diagnosis.pose.causes import (
     not_determined,
     rejected_entry,
 )
-from doormill_ros.diagnosis.pose.certainty import certainty_section
-from doormill_ros.diagnosis.pose.check import check_set
-from doormill_ros.diagnosis.pose.coverage import coverage
-from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis, diagnose_poses
-from doormill_ros.diagnosis.pose.evidence import (
+from doormill_ros.diagnosis.pose.telling.certainty import certainty_section
+from doormill_ros.diagnosis.pose.telling.evidence import (
     candidates_blocks,
     closing,
     evidence,
     next_poses_table,
 )
-from doormill_ros.diagnosis.pose.laws import model_with_laws, with_laws
-from doormill_ros.diagnosis.pose.model import Errors, figures
-from doormill_ros.diagnosis.pose.next_poses import listed, plan_next, propose
-from doormill_ros.diagnosis.pose.standing import standing_document, standing_remarks
+from doormill_ros.diagnosis.pose.telling.next_poses import listed, plan_next, propose
 from doormill_ros.diagnosis.pose.together import check_marked, check_names, check_rows, check_together
 from doormill_ros.measurements.pose_set import PoseSet, placement_owners, read_pose_set
 from doormill_ros.pages.page import Block, PageSection, Paragraphs

@@ -8,21 +8,21 @@ from dataclasses import replace
 import numpy as np
 
 from doormill_ros.arrays import FloatArray, IntArray
-from doormill_ros.diagnosis.core.beam import ENTRY
-from doormill_ros.diagnosis.core.characterised import Characterised
-from doormill_ros.diagnosis.core.fit import Fit, fit
+from doormill_ros.diagnosis.core.fitting.fit import Fit, fit
+from doormill_ros.diagnosis.core.fitting.price import price_of_number
+from doormill_ros.diagnosis.core.fitting.ranking import ranks
 from doormill_ros.diagnosis.core.judgement import less
-from doormill_ros.diagnosis.core.price import price_of_number
-from doormill_ros.diagnosis.core.ranking import ranks
-from doormill_ros.diagnosis.core.verdict import AT_NOISE, rmse
+from doormill_ros.diagnosis.core.searching.beam import ENTRY
+from doormill_ros.diagnosis.core.telling.characterised import Characterised
+from doormill_ros.diagnosis.core.words.verdict import AT_NOISE, rmse
 from doormill_ros.diagnosis.law.characterise import remains
 from doormill_ros.diagnosis.law.linear import Established, LinearProblem, established
 from doormill_ros.diagnosis.law.numbers import numbers_beside
 from doormill_ros.diagnosis.law.remainder import searched
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
-from doormill_ros.diagnosis.pose.fit import BLOCKS
-from doormill_ros.diagnosis.pose.noise import common_noise, evening
-from doormill_ros.diagnosis.pose.problem import PoseProblem
+from doormill_ros.diagnosis.pose.fitting.fit import BLOCKS
+from doormill_ros.diagnosis.pose.fitting.noise import common_noise, evening
+from doormill_ros.diagnosis.pose.fitting.problem import PoseProblem
 from doormill_ros.robot_model.pose.causes.cause import CLEAR, PoseCause
 from doormill_ros.robot_model.pose.chain import Placement, derivatives
 from doormill_ros.robot_model.pose.law.dictionary import dictionary

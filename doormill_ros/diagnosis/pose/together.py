@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.pose.fit import BLOCKS
-from doormill_ros.diagnosis.pose.placement import rows_needed
+from doormill_ros.diagnosis.pose.fitting.fit import BLOCKS
+from doormill_ros.diagnosis.pose.fitting.placement import rows_needed
 from doormill_ros.measurements.errors import PosePlacementError, PoseTableError, SetMixError
 from doormill_ros.measurements.pose_set import PoseSet, placement_owners
 

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from doormill_ros.diagnosis.core.account import Account, account_of
 from doormill_ros.diagnosis.core.changes import change_sentences, changes_document, changes_of, diagnosed_at
 from doormill_ros.diagnosis.core.kind import Progress, SearchedKind
-from doormill_ros.diagnosis.core.wording import Words
+from doormill_ros.diagnosis.core.telling.account import Account, account_of
+from doormill_ros.diagnosis.core.words.wording import Words
 from doormill_ros.diagnosis.runs.channels import Channel, channels_of
 from doormill_ros.diagnosis.runs.latest_runs import LeftBag, latest_runs
 from doormill_ros.diagnosis.runs.limits import FEWEST, MOST, fewest

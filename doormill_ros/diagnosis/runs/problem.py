@@ -12,10 +12,10 @@ import numpy as np
 from doormill_ros.arrays import BoolArray, FloatArray, IntArray
 from doormill_ros.diagnosis.core.course import BEGINS, GROWS, OverTime, SizeCourse
 from doormill_ros.diagnosis.core.diagnosis import Diagnosis
-from doormill_ros.diagnosis.core.nuisance import Nuisance
-from doormill_ros.diagnosis.core.problem import Examined, Prediction, make_folds
+from doormill_ros.diagnosis.core.fitting.nuisance import Nuisance
+from doormill_ros.diagnosis.core.fitting.problem import Examined, Prediction, make_folds
 from doormill_ros.diagnosis.core.times import growing
-from doormill_ros.diagnosis.core.wording import Unit
+from doormill_ros.diagnosis.core.words.wording import Unit
 from doormill_ros.diagnosis.runs.causes import RowCase, RunEffect, effects_of
 from doormill_ros.diagnosis.runs.channels import CAMERA, MARKS, Channel, channels_of
 from doormill_ros.diagnosis.runs.limits import FEWEST, fewest

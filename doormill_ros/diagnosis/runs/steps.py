@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from doormill_ros.diagnosis.core.beam import ENTRY
-from doormill_ros.diagnosis.core.gain import gain_of
-from doormill_ros.diagnosis.core.price import price_of_number
+from doormill_ros.diagnosis.core.fitting.gain import gain_of
+from doormill_ros.diagnosis.core.fitting.price import price_of_number
+from doormill_ros.diagnosis.core.searching.beam import ENTRY
 from doormill_ros.diagnosis.runs.limits import FEWEST
 from doormill_ros.diagnosis.runs.problem import RunProblem
 

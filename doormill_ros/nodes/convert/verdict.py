@@ -7,7 +7,7 @@ from dataclasses import asdict
 from std_msgs.msg import Header
 
 from doormill_interfaces.msg import DoorError, MeasureNext, ModelCause, ModelVerdict
-from doormill_ros.diagnosis.parts.next_step import NextStep
+from doormill_ros.diagnosis.parts.telling.next_step import NextStep
 from doormill_ros.monitor.finding import NamedFault
 from doormill_ros.monitor.watch_state import WatchState
 from doormill_ros.operator.views.model_view import ModelView, TrendDoor

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
-from doormill_ros.diagnosis.parts.next_step import NextStep
+from doormill_ros.diagnosis.parts.telling.next_step import NextStep
 from doormill_ros.monitor.finding import NamedFault
 from doormill_ros.operator.views.short_text import short
 

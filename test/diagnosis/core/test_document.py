@@ -1,6 +1,6 @@
 """Files of a diagnosis belong to one question."""
 
-from doormill_ros.diagnosis.core.document import write_diagnosis
+from doormill_ros.diagnosis.core.telling.document import write_diagnosis
 from doormill_ros.robot_model.model_file import MODEL_FILE
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from doormill_ros.diagnosis import kinds
-from doormill_ros.diagnosis.core.examination import (
+from doormill_ros.diagnosis.core.examining.examination import (
     MOST_REMAINS,
     Double,
     Examiner,
@@ -16,8 +16,8 @@ from doormill_ros.diagnosis.core.examination import (
     examined,
 )
 from doormill_ros.diagnosis.core.judgement import Question, judge_question
-from doormill_ros.diagnosis.core.margin import Check, Margin
-from doormill_ros.diagnosis.core.search import Search
+from doormill_ros.diagnosis.core.searching.search import Search
+from doormill_ros.diagnosis.core.words.margin import Check, Margin
 from doormill_ros.robot_model.candidate import Cause
 
 #: What each tone takes away of the squared error of ten bars, and the noise.

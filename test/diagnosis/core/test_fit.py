@@ -5,9 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from doormill_ros.diagnosis.core.beam import BeamSearch
-from doormill_ros.diagnosis.core.fit import bounds, fit, normal_equations
-from doormill_ros.diagnosis.core.price import LEFT_OUT, price_of_number
+from doormill_ros.diagnosis.core.fitting.fit import bounds, fit, normal_equations
+from doormill_ros.diagnosis.core.fitting.price import LEFT_OUT, price_of_number
+from doormill_ros.diagnosis.core.searching.beam import BeamSearch
 from doormill_ros.diagnosis.loading.kind import LoadingTests
 from doormill_ros.measurements.measurement_set import read_measurement_set
 from support.source_tree import ROOT

@@ -3,8 +3,14 @@
 import numpy as np
 import pytest
 
-from doormill_ros.diagnosis.core.held_out import left_out, scatter_of, standard_errors
-from doormill_ros.diagnosis.core.verdict import CONSISTENT, EXPLAINED, PARTLY_EXPLAINED, UNEXPLAINED, judge
+from doormill_ros.diagnosis.core.fitting.held_out import left_out, scatter_of, standard_errors
+from doormill_ros.diagnosis.core.words.verdict import (
+    CONSISTENT,
+    EXPLAINED,
+    PARTLY_EXPLAINED,
+    UNEXPLAINED,
+    judge,
+)
 
 
 def test_the_solution_without_a_part_is_that_of_the_other_rows():

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from doormill_ros.diagnosis.core.nuisance import Alike, Nuisance
+from doormill_ros.diagnosis.core.fitting.nuisance import Alike, Nuisance
 
 ROWS = 40
 

@@ -7,7 +7,7 @@ import pytest
 
 from doormill_ros.diagnosis import kinds
 from doormill_ros.diagnosis.core.judgement import Judgement
-from doormill_ros.diagnosis.core.search import Search
+from doormill_ros.diagnosis.core.searching.search import Search
 from doormill_ros.robot_model.candidate import Cause
 
 #: What each letter takes away of the error of a model that holds it; a pair may be worth more or less than its parts.

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from doormill_ros.diagnosis.core.fit import fit
-from doormill_ros.diagnosis.core.preview import Preview
+from doormill_ros.diagnosis.core.fitting.fit import fit
+from doormill_ros.diagnosis.core.searching.preview import Preview
 from doormill_ros.diagnosis.law.beside import Beside
 from doormill_ros.diagnosis.law.linear import Established, LinearProblem
 from doormill_ros.diagnosis.law.remainder import searched_once

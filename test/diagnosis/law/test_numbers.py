@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import yaml
 
-from doormill_ros.diagnosis.core.fit import fit
+from doormill_ros.diagnosis.core.fitting.fit import fit
 from doormill_ros.diagnosis.core.kind import run as run_kind
 from doormill_ros.diagnosis.law.linear import LinearProblem, established
 from doormill_ros.diagnosis.law.numbers import numbers_beside

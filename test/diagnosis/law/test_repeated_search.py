@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from doormill_ros.diagnosis.core.fit import fit
+from doormill_ros.diagnosis.core.fitting.fit import fit
 from doormill_ros.diagnosis.law.characterise import characterise
 from doormill_ros.diagnosis.law.labels import without_labels
 from doormill_ros.diagnosis.law.repeated import Repeated

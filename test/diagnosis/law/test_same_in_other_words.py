@@ -5,7 +5,7 @@ from copy import copy
 import numpy as np
 import pytest
 
-from doormill_ros.diagnosis.core.fit import fit
+from doormill_ros.diagnosis.core.fitting.fit import fit
 from doormill_ros.diagnosis.law.place import place_of
 from doormill_ros.diagnosis.law.remainder import Searched
 from doormill_ros.diagnosis.law.search import LawSearch

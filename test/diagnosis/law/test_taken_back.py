@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from doormill_ros.diagnosis.core.kind import run as run_kind
-from doormill_ros.diagnosis.pose.certainty import certainty_section
 from doormill_ros.diagnosis.pose.check import check_set
 from doormill_ros.diagnosis.pose.diagnosis import diagnose_poses
+from doormill_ros.diagnosis.pose.fitting.model import rmse
 from doormill_ros.diagnosis.pose.kind import Poses
 from doormill_ros.diagnosis.pose.laws import NEEDLESS, with_laws
-from doormill_ros.diagnosis.pose.model import rmse
+from doormill_ros.diagnosis.pose.telling.certainty import certainty_section
 from doormill_ros.measurements.pose_set import read_pose_set
 from doormill_ros.robot_model.pose.chain import residual
 from doormill_ros.robot_model.pose.model import load_pose_model

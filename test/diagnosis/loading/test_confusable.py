@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from doormill_ros.diagnosis.core.fit import fit
-from doormill_ros.diagnosis.core.preview import Preview
-from doormill_ros.diagnosis.core.robust import trial_weights
+from doormill_ros.diagnosis.core.fitting.fit import fit
+from doormill_ros.diagnosis.core.fitting.robust import trial_weights
+from doormill_ros.diagnosis.core.searching.preview import Preview
 from doormill_ros.diagnosis.loading.next_measurement import plan_next
 from doormill_ros.diagnosis.loading.problem import LoadingProblem as Problem
 from doormill_ros.robot_model.elastic.causes.registry import candidates

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from doormill_ros.diagnosis.core.fit import fit
-from doormill_ros.diagnosis.core.problem import make_folds
-from doormill_ros.diagnosis.core.robust import GROSS, robust_sum, trial_weights
+from doormill_ros.diagnosis.core.fitting.fit import fit
+from doormill_ros.diagnosis.core.fitting.problem import make_folds
+from doormill_ros.diagnosis.core.fitting.robust import GROSS, robust_sum, trial_weights
 from doormill_ros.diagnosis.loading.problem import LoadingProblem as Problem
 from doormill_ros.robot_model.elastic.causes.registry import build_cause
 from support.truth.loading_test import Spoil

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from doormill_ros.diagnosis.core.fit import fit
+from doormill_ros.diagnosis.core.fitting.fit import fit
 from doormill_ros.diagnosis.loading.next_measurement import plan_next
 from doormill_ros.diagnosis.loading.problem import LoadingProblem as Problem
 from doormill_ros.simulation.truth.chain import turn

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from doormill_ros.diagnosis.core.fit import fit
-from doormill_ros.diagnosis.core.stability import beaten, instability, turned_joint, unevenness
+from doormill_ros.diagnosis.core.examining.stability import beaten, instability, turned_joint, unevenness
+from doormill_ros.diagnosis.core.fitting.fit import fit
 from doormill_ros.diagnosis.loading.problem import LoadingProblem as Problem
 from doormill_ros.robot_model.elastic.causes.registry import build_cause
 from support.diagnoses import diagnose_set

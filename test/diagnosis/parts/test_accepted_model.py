@@ -2,7 +2,7 @@
 
 import pytest
 
-from doormill_ros.diagnosis.parts.model import measured_force
+from doormill_ros.diagnosis.parts.correction.model import measured_force
 from doormill_ros.pipeline.plan import load_setup
 from doormill_ros.recipes.program import Program
 from doormill_ros.simulation.world.gauge import NOISE

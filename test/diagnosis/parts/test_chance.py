@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from doormill_ros.diagnosis.parts.chance import by_chance, force_shares
-from doormill_ros.diagnosis.parts.discrepancy import ForceDiscrepancy
+from doormill_ros.diagnosis.parts.fitting.chance import by_chance, force_shares
+from doormill_ros.diagnosis.parts.fitting.discrepancy import ForceDiscrepancy
+from doormill_ros.diagnosis.parts.fitting.problem import DoorDiagnosis, DoorProblem
 from doormill_ros.diagnosis.parts.kind import Inspections
-from doormill_ros.diagnosis.parts.problem import DoorDiagnosis, DoorProblem
 from support.gauged_shift import HINGE_DOORS, gauged_shift
 from support.shift_worlds import Hidden, inspected, judged
 

@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from doormill_ros.diagnosis.parts.capability import capability_of, capability_table
-from doormill_ros.diagnosis.parts.charts import ShiftCharts, control, sums
-from doormill_ros.diagnosis.parts.gauged_door import GaugedDoor
+from doormill_ros.diagnosis.parts.doors.gauged_door import GaugedDoor
 from doormill_ros.diagnosis.parts.kind import Inspections
+from doormill_ros.diagnosis.parts.telling.capability import capability_of, capability_table
+from doormill_ros.diagnosis.parts.telling.charts import ShiftCharts, control, sums
 from support.gauged_shift import HINGE_DOORS, gauged_shift
 from support.shift_worlds import inspected
 

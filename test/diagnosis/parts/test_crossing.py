@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from doormill_ros.diagnosis.core.beam import BeamSearch
+from doormill_ros.diagnosis.core.searching.beam import BeamSearch
 from doormill_ros.diagnosis.parts.kind import Inspections
 from support.gauged_shift import gauged_shift
 from support.shift_worlds import draw_shift, inspected

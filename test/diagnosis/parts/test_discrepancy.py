@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from doormill_ros.diagnosis.parts.discrepancy import ArmDiscrepancy, ForceDiscrepancy, WallDiscrepancy
+from doormill_ros.diagnosis.parts.fitting.discrepancy import ArmDiscrepancy, ForceDiscrepancy, WallDiscrepancy
 from doormill_ros.diagnosis.parts.kind import Inspections
 from doormill_ros.measurements.inspection import inspections_in
 from support.gauged_shift import HINGE_DOORS, gauged_shift

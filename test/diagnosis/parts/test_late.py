@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from doormill_ros.diagnosis.parts.late import LAGS, aside
+from doormill_ros.diagnosis.parts.doors.late import LAGS, aside
 
 RADIUS, SPEED = 8e-3, 0.06
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from doormill_ros.diagnosis.parts.fitting.problem import DoorDiagnosis
 from doormill_ros.diagnosis.parts.kind import Inspections
-from doormill_ros.diagnosis.parts.problem import DoorDiagnosis
 from support.gauged_shift import gauged_shift
 from support.shift_worlds import inspected
 

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import pytest
 
+from doormill_ros.diagnosis.parts.doors.order import in_order
 from doormill_ros.diagnosis.parts.kind import Inspections
-from doormill_ros.diagnosis.parts.order import in_order
 from support.gauged_shift import HINGE_DOORS, gauged_shift
 from support.shift_worlds import inspected
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from doormill_ros.diagnosis.parts.placement import scatter_between
+from doormill_ros.diagnosis.parts.fitting.placement import scatter_between
 
 STATED = np.array([85e-6, 50e-6, 80e-6]) ** 2
 RECIPES = ("narrow", "wide", "turned", "narrow", "wide")

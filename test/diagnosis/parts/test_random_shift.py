@@ -2,7 +2,7 @@
 
 import pytest
 
-from doormill_ros.diagnosis.core.verdict import CONSISTENT
+from doormill_ros.diagnosis.core.words.verdict import CONSISTENT
 from doormill_ros.diagnosis.parts.kind import Inspections
 from doormill_ros.pipeline.plan import load_setup
 from support.random_shift import next_doors, random_doors, random_shift

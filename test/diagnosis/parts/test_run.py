@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from doormill_ros.cell.layout import load_layout
-from doormill_ros.diagnosis.parts.recorded_cut import recorded_cut
+from doormill_ros.diagnosis.parts.doors.recorded_cut import recorded_cut
 from doormill_ros.frames import apply, inverse
 from doormill_ros.measurements.inspection import COLUMNS, read_inspection
 from doormill_ros.recording.replay.run_reader import read_runs

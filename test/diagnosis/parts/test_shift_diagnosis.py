@@ -7,9 +7,9 @@ import pytest
 
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.diagnosis.core.kind import Progress
+from doormill_ros.diagnosis.parts.doors.matching import cut_case
 from doormill_ros.diagnosis.parts.effects.registry import PLACES_OF_LINKS
 from doormill_ros.diagnosis.parts.kind import Inspections
-from doormill_ros.diagnosis.parts.matching import cut_case
 from doormill_ros.robot.description import load_robot
 from support.gauged_shift import HINGE_DOORS, gauged_shift
 from support.shift_worlds import Hidden, draw_shift, inspected, judged

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from doormill_ros.diagnosis.parts.model import door_model_document
+from doormill_ros.diagnosis.parts.correction.model import door_model_document
 from doormill_ros.pipeline.plan import MillingSetup
 from support.gauged_shift import HINGE_DOORS
 from support.shift_loop import LoopWorth, loop_worth, untroubled

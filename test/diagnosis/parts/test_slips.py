@@ -6,9 +6,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from doormill_ros.diagnosis.parts.doors.recorded_cut import recorded_cut
+from doormill_ros.diagnosis.parts.fitting.slips import slips, slips_beside
 from doormill_ros.diagnosis.parts.kind import Inspections, inspected_door
-from doormill_ros.diagnosis.parts.recorded_cut import recorded_cut
-from doormill_ros.diagnosis.parts.slips import slips, slips_beside
 from doormill_ros.errors import DataSetError
 from doormill_ros.measurements.inspection import inspections_in
 from support.gauged_shift import HINGE_DOORS, gauged_shift
@@ -65,7 +65,7 @@ def test_gross_errors_are_told_by_their_rows_in_the_file_of_their_door(door, mon
     """Of a shift with many points not every one is asked."""
     inspection, cut = door
     matched = inspected_door(inspection, cut).door.points.row
-    monkeypatch.setattr("doormill_ros.diagnosis.parts.problem.ROWS", -(-len(matched) // every))
+    monkeypatch.setattr("doormill_ros.diagnosis.parts.fitting.problem.ROWS", -(-len(matched) // every))
     wrong = tuple(int(row) for row in matched[::every][[20, 40]])
     moved = slipped(inspection, **{f"row{row}": 12.0 * inspection.noise for row in wrong})
     one = inspected_door(moved, cut)

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from doormill_ros.diagnosis.parts.course import InTime
 from doormill_ros.diagnosis.parts.effects.shift import Warming
+from doormill_ros.diagnosis.parts.fitting.course import InTime
+from doormill_ros.diagnosis.parts.fitting.known import SHARE
+from doormill_ros.diagnosis.parts.fitting.problem import FLANK, DoorProblem
 from doormill_ros.diagnosis.parts.kind import Inspections
-from doormill_ros.diagnosis.parts.known import SHARE
-from doormill_ros.diagnosis.parts.problem import FLANK, DoorProblem
 from support.gauged_shift import HINGE_DOORS, gauged_shift
 from support.shift_worlds import diagnosed, draw_shift, inspected, judged
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from doormill_ros.diagnosis.parts.stretches import LENGTH, stretches
+from doormill_ros.diagnosis.parts.doors.stretches import LENGTH, stretches
 
 
 def oblong(count=200, length=0.08, radius=0.01):

@@ -5,8 +5,8 @@ import itertools
 import numpy as np
 import pytest
 
-from doormill_ros.diagnosis.parts.in_use import in_use_document
-from doormill_ros.diagnosis.parts.warming import growth_told
+from doormill_ros.diagnosis.parts.correction.in_use import in_use_document
+from doormill_ros.diagnosis.parts.correction.warming import growth_told
 from doormill_ros.robot_model.warmth.growth import REACH
 from doormill_ros.robot_model.warmth.work_times import WorkTimes
 from doormill_ros.simulation.world.door_truth import TAKT

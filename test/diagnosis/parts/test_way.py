@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from doormill_ros.cell.layout import load_layout
-from doormill_ros.diagnosis.parts.way import FINER, Moving, way_through
+from doormill_ros.diagnosis.parts.doors.way import FINER, Moving, way_through
 from doormill_ros.robot.description import load_robot
 
 PASS = np.array([0.0, 2.0, 4.0, 6.0, 8.0, 10.0]) * 1e-3

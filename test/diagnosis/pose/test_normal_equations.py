@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from doormill_ros.diagnosis.core.ridge import add_up, solve, without
-from doormill_ros.diagnosis.pose.fit import Fitted, contiguous, fit_causes, place_nominally
-from doormill_ros.diagnosis.pose.model import distinct_share
-from doormill_ros.diagnosis.pose.problem import PoseProblem
-from doormill_ros.diagnosis.pose.validation import Validation
+from doormill_ros.diagnosis.core.fitting.ridge import add_up, solve, without
+from doormill_ros.diagnosis.pose.fitting.fit import Fitted, contiguous, fit_causes, place_nominally
+from doormill_ros.diagnosis.pose.fitting.model import distinct_share
+from doormill_ros.diagnosis.pose.fitting.problem import PoseProblem
+from doormill_ros.diagnosis.pose.fitting.validation import Validation
 from doormill_ros.measurements.pose_set import read_pose_set
 from doormill_ros.robot_model.pose.causes.joint_periodic_error import JointPeriodicError
 from doormill_ros.robot_model.pose.causes.joint_sag import JointSag

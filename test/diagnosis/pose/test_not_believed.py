@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from doormill_ros.diagnosis.pose.fit import contiguous, fit_causes, place_nominally
-from doormill_ros.diagnosis.pose.selection import CONTRADICTED, REAL, scores
-from doormill_ros.diagnosis.pose.validation import Validation
+from doormill_ros.diagnosis.pose.fitting.fit import contiguous, fit_causes, place_nominally
+from doormill_ros.diagnosis.pose.fitting.validation import Validation
+from doormill_ros.diagnosis.pose.searching.selection import CONTRADICTED, REAL, scores
 from doormill_ros.measurements.pose_set import read_pose_set
 from doormill_ros.robot_model.pose.causes.joint_backlash import PoseBacklash
 from doormill_ros.robot_model.pose.causes.joint_periodic_error import BROAD, JointPeriodicError

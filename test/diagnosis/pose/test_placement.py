@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from doormill_ros.diagnosis.pose.placement import Seen, place_together
+from doormill_ros.diagnosis.pose.fitting.placement import Seen, place_together
 from doormill_ros.frames import displacement
 from doormill_ros.measurements.errors import PosePlacementError
 from doormill_ros.robot_model.pose.chain import Placement, frames, link_transforms

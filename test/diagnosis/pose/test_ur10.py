@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from doormill_ros.diagnosis.pose.diagnosis import diagnose_poses
-from doormill_ros.diagnosis.pose.model import rmse
+from doormill_ros.diagnosis.pose.fitting.model import rmse
 from doormill_ros.measurements.pose_set import read_pose_set
 from support.source_tree import DATA
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from doormill_ros.cell.layout import load_layout
+from doormill_ros.diagnosis.parts.doors.late import LAGS
 from doormill_ros.diagnosis.parts.effects.lag import ServoLag
-from doormill_ros.diagnosis.parts.late import LAGS
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.localizer import localize
 from doormill_ros.messages.from_message import program_of

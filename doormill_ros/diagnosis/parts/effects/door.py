@@ -6,7 +6,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.core.course import BEGINS
-from doormill_ros.diagnosis.parts.case import CutCase
+from doormill_ros.diagnosis.parts.effects.case import CutCase
 from doormill_ros.diagnosis.parts.effects.effect import Effect
 
 _NEWTON = 1e-8  #: that a newton moves the wood 1 m above the floor at theta 1 [m / N]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.parts.case import TOOL, CutCase
+from doormill_ros.diagnosis.parts.effects.case import TOOL, CutCase
 from doormill_ros.diagnosis.parts.effects.effect import Effect
 from doormill_ros.robot_model.elastic.causes.cause import ElasticCause, LinearTwist
 from doormill_ros.robot_model.elastic.causes.joint_backlash import DisplacementBacklash

@@ -6,7 +6,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.core.course import BEGINS, CHANGES, DRIFTS, WEARS_AND_CHANGES
-from doormill_ros.diagnosis.parts.case import CutCase
+from doormill_ros.diagnosis.parts.effects.case import CutCase
 from doormill_ros.diagnosis.parts.effects.elastic import LibraryEffect
 from doormill_ros.robot_model.elastic.causes.process_force import ProcessForce, ProcessForceDirection
 

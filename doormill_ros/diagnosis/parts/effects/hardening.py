@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.parts.case import CutCase
+from doormill_ros.diagnosis.parts.effects.case import CutCase
 from doormill_ros.diagnosis.parts.effects.elastic import LibraryEffect
 from doormill_ros.robot_model.elastic.causes.cause import index
 from doormill_ros.robot_model.elastic.causes.joint_hardening import JointHardening

@@ -6,9 +6,9 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.core.course import BEGINS, CHANGES
-from doormill_ros.diagnosis.parts.case import CutCase
+from doormill_ros.diagnosis.parts.doors.late import LAGS
+from doormill_ros.diagnosis.parts.effects.case import CutCase
 from doormill_ros.diagnosis.parts.effects.effect import Unloaded
-from doormill_ros.diagnosis.parts.late import LAGS
 from doormill_ros.robot_model.candidate import CauseParameter
 from doormill_ros.units import s_to_ms
 

@@ -8,7 +8,8 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.loading.patterns import unnamed_patterns
-from doormill_ros.diagnosis.parts.case import TOOL
+from doormill_ros.diagnosis.parts.doors.late import LAGS
+from doormill_ros.diagnosis.parts.effects.case import TOOL
 from doormill_ros.diagnosis.parts.effects.door import YieldingDoor
 from doormill_ros.diagnosis.parts.effects.effect import Effect
 from doormill_ros.diagnosis.parts.effects.elastic import ElasticEffect, Gap, MillBending
@@ -18,7 +19,6 @@ from doormill_ros.diagnosis.parts.effects.hardening import Hardening
 from doormill_ros.diagnosis.parts.effects.lag import PathLag, ServoLag
 from doormill_ros.diagnosis.parts.effects.shift import ArmWarming, Place, Tilt, Warming, shifts
 from doormill_ros.diagnosis.parts.effects.weight import weights
-from doormill_ros.diagnosis.parts.late import LAGS
 from doormill_ros.robot_model.elastic.causes.base_compliance import BaseCompliance
 from doormill_ros.robot_model.elastic.causes.cause import JOINTS
 from doormill_ros.robot_model.elastic.causes.joint_stiffness import JointStiffness

@@ -8,7 +8,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.core.course import BEGINS
-from doormill_ros.diagnosis.parts.case import CutCase
+from doormill_ros.diagnosis.parts.effects.case import CutCase
 from doormill_ros.diagnosis.parts.effects.effect import Effect, Unloaded
 from doormill_ros.robot_model.candidate import CauseParameter
 from doormill_ros.robot_model.warmth.growth import REACH

@@ -6,7 +6,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.core.course import BEGINS, CHANGES
-from doormill_ros.diagnosis.parts.case import TOOL, CutCase
+from doormill_ros.diagnosis.parts.effects.case import TOOL, CutCase
 from doormill_ros.diagnosis.parts.effects.effect import Effect
 from doormill_ros.robot_model.candidate import CauseParameter, number
 from doormill_ros.units import GRAVITY

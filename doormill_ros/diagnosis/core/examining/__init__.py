@@ -1,0 +1,1 @@
+"""Examine the causes of a model before they are named."""

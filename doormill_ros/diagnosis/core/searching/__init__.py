@@ -1,0 +1,1 @@
+"""Find which causes are worth a place in the model."""

@@ -1,0 +1,1 @@
+"""Tell a diagnosis: document, page and what is known of a remainder."""

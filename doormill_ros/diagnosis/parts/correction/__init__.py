@@ -1,0 +1,1 @@
+"""What the diagnosis leaves for the correction of paths."""

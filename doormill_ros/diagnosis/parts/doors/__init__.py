@@ -1,0 +1,1 @@
+"""Inspected doors, each measured point with the state of the robot that cut it."""

@@ -1,0 +1,1 @@
+"""What effects make of the points of inspected doors."""

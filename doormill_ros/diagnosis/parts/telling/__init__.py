@@ -1,0 +1,1 @@
+"""What is told of a shift: charts, capability, what to measure next."""

@@ -1,0 +1,1 @@
+"""Fit causes to series of poses, and judge the fit on rows and series left out."""

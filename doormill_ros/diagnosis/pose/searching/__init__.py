@@ -1,0 +1,1 @@
+"""Find which causes of pose errors are real."""

@@ -1,0 +1,1 @@
+"""How the robot stands: along which direction gravity acts, and what hangs at the flange."""

@@ -1,0 +1,1 @@
+"""What a diagnosis of poses tells and shows."""
