@@ -8,6 +8,7 @@ from __future__ import annotations
 from functools import reduce
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from doormill_ros.arrays import BoolArray, Float32Array, FloatArray, IntArray
 
@@ -42,6 +43,11 @@ def running_means(values: Float32Array, count: int) -> Float32Array:
         count
     )
     return means
+
+
+def root_mean_square(values: ArrayLike) -> float:
+    """Root of the mean of the squares of values, at least one and of any shape, in their unit."""
+    return float(np.sqrt(np.mean(np.square(values))))
 
 
 def share(chosen: BoolArray) -> float:

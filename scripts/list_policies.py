@@ -18,7 +18,7 @@ from rclpy.node import Node
 from doormill_ros.cell.layout import CAMERA
 from doormill_ros.cell.run_folder import RunFolder
 from doormill_ros.localization.gige.library import Aravis
-from doormill_ros.localization.sensors.registry import SENSORS
+from doormill_ros.localization.sensors.registry import CELL_SENSORS
 from doormill_ros.nodes.folder_camera import FolderCamera
 from doormill_ros.nodes.gige_camera import GigeCamera
 from doormill_ros.nodes.milling.door_inspections import GAUGE_PARAMETER
@@ -33,7 +33,7 @@ FILE = share_directory() / "config" / "security" / "policies.xml"
 SIMULATORS = ("camera_simulator", "controller_simulator", "sensor_simulator")
 PROCESS = {
     **dict.fromkeys(SIMULATORS, "cell_simulator"),
-    **dict.fromkeys(SENSORS, "door_sensors"),
+    **dict.fromkeys(CELL_SENSORS, "door_sensors"),
 }
 #: Cameras in place of the simulated one; the one on the network reaches none here, which changes none of its topics.
 CAMERAS = {
@@ -125,8 +125,8 @@ def whole_graph() -> Graph:
     for kinds in whole.values():
         for names in kinds.values():
             if _alive(SENSOR) in names:
-                names.update(map(_alive, SENSORS))
-    for sensor in SENSORS:
+                names.update(map(_alive, CELL_SENSORS))
+    for sensor in CELL_SENSORS:
         whole[sensor] = {kind: {_renamed(name, sensor) for name in names} for kind, names in one.items()}
     return whole
 

@@ -21,6 +21,7 @@ from doormill_ros.measurements.loading import (
     reflector_jacobian,
 )
 from doormill_ros.robot.kinematics import Kinematics
+from doormill_ros.statistics import root_mean_square
 
 #: A joint counts as identified when its compliance is known better than to this share.
 WORST_RELATIVE_STD = 0.5
@@ -184,7 +185,7 @@ def _report(
         compliance=compliance,
         compliance_covariance=full,
         residual=residual,
-        rmse=float(np.sqrt(np.mean(residual**2))),
+        rmse=root_mean_square(residual),
         chi_square=float(np.sum((residual.reshape(-1) * inverse_std) ** 2)),
         degrees_of_freedom=int(residual.size - rank),
         rounds=rounds,

@@ -28,6 +28,7 @@ from doormill_ros.localization.search.coarse import Sighted, search, search_band
 from doormill_ros.localization.settings import LocalizerSettings, shipped_settings
 from doormill_ros.localization.tracing import Trace, trace_edges
 from doormill_ros.localization.view import BOTTOM, HINGE, FaceView, face_view
+from doormill_ros.statistics import root_mean_square
 
 _WIDE = 2.5  # factor on the limits when looking for a door that stands out of range
 
@@ -94,7 +95,7 @@ def localize(
         T_base_door=layout.T_base_door(width, thickness, offset),
         offset=offset,
         parts=_parts(fit, view, settings, drift),
-        residual=float(np.sqrt(np.mean(residual**2))),
+        residual=root_mean_square(residual),
         inlier_share=float(inlier.mean()),
         quality=_quality(traces, fit.covariance, settings),
         corner=view.pixels(fit.pose[:2]),

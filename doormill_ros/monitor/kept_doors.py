@@ -25,6 +25,7 @@ from doormill_ros.messages.stamps import seconds_of
 from doormill_ros.monitor.errors import InspectionMessageError, KeepingError, UnknownRunError
 from doormill_ros.monitor.recorded_runs import RecordedRuns
 from doormill_ros.recording.bag_reader import read_bag, topics_of
+from doormill_ros.statistics import root_mean_square
 
 DOOR = "door.json"
 RUN_ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.:-]{0,99}")
@@ -212,7 +213,7 @@ class KeptDoors:
             end.door_id,
             end.model_version,
             inspection.measured_at.isoformat(),
-            float(np.sqrt(np.mean(inspection.deviation**2))),
+            root_mean_square(inspection.deviation),
             inspection.largest,
             _milled_at(end.bag, run_id),
         )

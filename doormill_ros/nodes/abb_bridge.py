@@ -33,7 +33,7 @@ from doormill_ros.cell.door_sensors import chosen_sensors
 from doormill_ros.cell.errors import NodeDoubledError
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.cell.node_names import ABB_BRIDGE, DOOR_SHARES
-from doormill_ros.cell.run import LOCALIZATION
+from doormill_ros.cell.run import LOCALIZATION, TARGETS
 from doormill_ros.localization.sensors.agreement import rehearse_agreement
 from doormill_ros.messages.from_message import program_of
 from doormill_ros.nodes.base import topics
@@ -275,7 +275,7 @@ class AbbBridge(ManagedNode):
         self._action.deliver(stage_of(message.sensor), message)
 
     def _take_targets(self, message: TargetArray) -> None:
-        if not self._action.deliver("targets", message):
+        if not self._action.deliver(TARGETS, message):
             # Of a run before a restart, or of another cell: nobody knows which door they are for.
             self.report(
                 WARN,

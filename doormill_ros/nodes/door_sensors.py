@@ -7,7 +7,7 @@ from functools import partial
 
 import cv2
 
-from doormill_ros.localization.sensors.registry import SENSORS
+from doormill_ros.localization.sensors.registry import CELL_SENSORS
 from doormill_ros.nodes.process.run import run_nodes
 from doormill_ros.nodes.sensing.sensor_localizer import SensorLocalizer
 
@@ -15,7 +15,7 @@ from doormill_ros.nodes.sensing.sensor_localizer import SensorLocalizer
 def main() -> int:
     """Run the nodes, each on one core: a second one has the other nodes to run."""
     cv2.setNumThreads(1)
-    return run_nodes(*(partial(SensorLocalizer, name) for name in SENSORS))
+    return run_nodes(*(partial(SensorLocalizer, name) for name in CELL_SENSORS))
 
 
 if __name__ == "__main__":

@@ -20,7 +20,7 @@ from doormill_ros.cell.node_names import (
     RECIPE_DATABASE,
     SENSOR_SIMULATOR,
 )
-from doormill_ros.cell.run import LOCALIZATION, Run, StageLimits
+from doormill_ros.cell.run import LOCALIZATION, TARGETS, Run, StageLimits
 from doormill_ros.errors import DoormillError
 from doormill_ros.localization.sensors.agreement import check_agreement
 from doormill_ros.messages.from_message import sensed_door_of
@@ -31,14 +31,14 @@ from doormill_ros.pipeline.run_end import RunEnd
 
 ALONE_LIMIT = 10.0  # s
 #: Nodes without which a run comes to nothing, by stage. Those of the simulation are missed only where they have been.
-MILLING = (CONTROLLER_SIMULATOR,)
-TARGETS = (PATH_GENERATOR, *MILLING)
+MILLING_NODES = (CONTROLLER_SIMULATOR,)
+TARGET_NODES = (PATH_GENERATOR, *MILLING_NODES)
 SIMULATED_NODES = (CAMERA_SIMULATOR, SENSOR_SIMULATOR)
 
 
 def picture_nodes(sensors: Sequence[str]) -> tuple[str, ...]:
     """Nodes without which no pose of the door comes."""
-    return (*map(node_of, sensors), *SIMULATED_NODES, *TARGETS)
+    return (*map(node_of, sensors), *SIMULATED_NODES, *TARGET_NODES)
 
 
 def recipe_nodes(sensors: Sequence[str]) -> tuple[str, ...]:
@@ -121,17 +121,17 @@ class Course:
             self.end.largest_correction = targets.largest_correction
             self.end.robot_model, self.end.model_version = targets.robot_model, targets.model_version
             if self._may_mill is not None:
-                self._tell("targets", 0.4)
+                self._tell(TARGETS, 0.4)
                 self._wait_for_the_word(self._may_mill)
-            self._need(MILLING)
+            self._need(MILLING_NODES)
             self._wait_for_link()
             data = self._handover.submit(targets, request_number)
             if self._may_mill is None:
-                self._tell("targets", 0.4)
+                self._tell(TARGETS, 0.4)
             path = self._announce(data)
             self._watch_milling()
             measured = await_inspection(self._run, self._inspector, self._limits.inspection)
-            self.end.mill(len(targets.targets), data, path, measured)
+            self.end.note_milled(len(targets.targets), data, path, measured)
         except DoormillError as error:
             self.end.refuse(error.code, error.message)
         return self.end
@@ -172,16 +172,16 @@ class Course:
             localized = run.wait_for(LOCALIZATION, self._limits.picture, _missing(self._sensors[0]), over)
             if localized is not None and self._agreed(over):
                 self._note(picture_to_pose=run.times[LOCALIZATION] - run.pictured[LOCALIZATION])
-                self._need(TARGETS)
+                self._need(TARGET_NODES)
                 self._tell("pose", 0.3)
                 targets = run.wait_for(
-                    "targets",
+                    TARGETS,
                     self._limits.targets,
                     "no targets came for the door's pose; check that /path_generator is active",
                     over,
                 )
                 if targets is not None:
-                    self._note(pose_to_targets=run.times["targets"] - run.times[LOCALIZATION])
+                    self._note(pose_to_targets=run.times[TARGETS] - run.times[LOCALIZATION])
                     self._wait_for_link()
                     if not over():
                         return targets, number
@@ -234,7 +234,7 @@ class Course:
     def _wait_for_the_word(self, may_mill: Callable[[], bool]) -> None:
         """Wait while the other robot gets its targets, and for as long as it mills where it is the first."""
         limits = self._limits
-        self._need((DOOR_SHARES, *TARGETS))
+        self._need((DOOR_SHARES, *TARGET_NODES))
         self._run.wait_until(
             may_mill,
             limits.picture + limits.targets + limits.ready + limits.read + limits.milling,

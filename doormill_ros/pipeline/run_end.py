@@ -56,7 +56,7 @@ class RunEnd:
         self.message = f"door {self.door_id}: {reason}"
         self.target_file = self.sha256 = ""
 
-    def mill(self, targets: int, data: bytes, path: Path, inspection: MeasuredDoor) -> None:
+    def note_milled(self, targets: int, data: bytes, path: Path, inspection: MeasuredDoor) -> None:
         """The robot milled the door to its end; a success unless it was measured and found out of tolerance.
 
         Args:
@@ -67,13 +67,13 @@ class RunEnd:
         """
         self.target_file = str(path)
         self.sha256 = hashlib.sha256(data).hexdigest()
-        self._mill(
+        self._note(
             inspection,
             f"{targets} targets, largest correction {m_to_mm(self.largest_correction):.3f} mm, ready "
             f"{s_to_ms(self.times.request_to_ready):.0f} ms after the request",
         )
 
-    def mill_shares(self, files: Mapping[str, str], inspection: MeasuredDoor) -> None:
+    def note_shares_milled(self, files: Mapping[str, str], inspection: MeasuredDoor) -> None:
         """The robots milled their shares to the end.
 
         Args:
@@ -81,17 +81,17 @@ class RunEnd:
             inspection: How the door came out.
         """
         said = ", ".join(f"{robot} robot by {Path(file).name}" for robot, file in files.items())
-        self._mill(inspection, f"{said}, largest correction {m_to_mm(self.largest_correction):.3f} mm")
+        self._note(inspection, f"{said}, largest correction {m_to_mm(self.largest_correction):.3f} mm")
 
-    def mill_unseen(self, inspection: MeasuredDoor) -> None:
+    def note_unseen_milling(self, inspection: MeasuredDoor) -> None:
         """The same of a run whose bridge was started again while the robot milled.
 
         Args:
             inspection: How the door came out.
         """
-        self._mill(inspection, "the bridge ended in the middle of the run, the robot did not")
+        self._note(inspection, "the bridge ended in the middle of the run, the robot did not")
 
-    def _mill(self, inspection: MeasuredDoor, how: str) -> None:
+    def _note(self, inspection: MeasuredDoor, how: str) -> None:
         self.milled = True
         self.inspection = inspection
         self.success = not inspection.out_of_tolerance

@@ -10,7 +10,7 @@ from functools import partial
 from typing import Protocol
 
 from doormill_ros.cell.errors import CellError, StageRefusedError
-from doormill_ros.cell.run import Run, StageLimits
+from doormill_ros.cell.run import TARGETS, Run, StageLimits
 from doormill_ros.cell.summary import StageDurations
 from doormill_ros.cell.waiting import wait_until
 from doormill_ros.errors import DoormillError
@@ -123,7 +123,7 @@ class SharedCourse:
             self._tell("milling", 1.0)
             self._note(working)
             measured = await_inspection(self._run, self._inspector, self._limits.inspection)
-            self.end.mill_shares({r.name: e.target_file for r in working if (e := r.end)}, measured)
+            self.end.note_shares_milled({r.name: e.target_file for r in working if (e := r.end)}, measured)
         except DoormillError as error:
             done = [robot.name for robot in self._begun if robot.end is not None and robot.end.success]
             self._let_go()
@@ -172,7 +172,7 @@ class SharedCourse:
             limits.recipe + limits.request + limits.picture + limits.targets,
             "the robots did not get their targets; see their results",
         )
-        self._tell("targets", 0.4)
+        self._tell(TARGETS, 0.4)
 
     def _mill(self, robot: ShareRobot) -> None:
         """Let one robot mill; the others wait."""

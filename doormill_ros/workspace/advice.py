@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,7 +21,7 @@ from doormill_ros.toolpath.beside import place_of
 from doormill_ros.toolpath.door_plan import whole_door
 from doormill_ros.toolpath.mills.waiting_tools import beside_rack
 from doormill_ros.toolpath.settings import PathSettings
-from doormill_ros.toolpath.split import split
+from doormill_ros.toolpath.split import Share, split
 from doormill_ros.units import m_to_mm
 from doormill_ros.workspace.doors import DoorRange
 
@@ -29,6 +29,10 @@ WIDTHS = 3  #: doors of so many widths between the narrowest and the widest
 THINNEST = 0.030  #: a door needs wood to be milled; the range may begin at none [m]
 HINGES = 5  #: along the height, so that one of them meets whatever lies badly there
 LARGEST_CLAMP = 2.0  #: larger things under the door's place are floor, not clamp [m]
+
+#: Shares of a door that stands at a pose in the first robot's base frame, shape (4, 4), each with the cell about who
+#: mills it.
+SharesOf = Callable[[Recipe, FloatArray], Sequence[tuple[Share, CellLayout]]]
 
 
 @dataclass(frozen=True)
@@ -119,23 +123,12 @@ def plan_doors(
         settings: Values of config/toolpath.yaml.
         most: Refusals after which the rest is not looked at; None for all doors.
     """
-    refused, planned, reason = 0, 0, ""
-    limits = layout.limits
     about = beside_rack(layout, robot, settings, {})
-    for recipe, sign in itertools.product(recipes, (-1.0, 1.0)):
-        offset = DoorOffset(sign * limits.y, sign * limits.z, sign * limits.rotation)
-        planned += 1
-        try:
-            T_base_door = layout.T_base_door(recipe.width, recipe.thickness, offset)
-            route(recipe, whole_door(recipe), T_base_door, about, robot, settings)
-        except DoormillError as error:
-            refused += 1
-            reason = (
-                reason or f"{m_to_mm(recipe.width):.0f} x {m_to_mm(recipe.thickness):.0f} mm: {error.message}"
-            )
-            if most is not None and refused > most:
-                break
-    return PlannedDoors(planned, refused, reason)
+
+    def whole(recipe: Recipe, T_base_door: FloatArray) -> list[tuple[Share, CellLayout]]:
+        return [(Share(FIRST, tuple(whole_door(recipe)), T_base_door), about)]
+
+    return _planned(recipes, layout, robot, settings, whole, most)
 
 
 def plan_shares(
@@ -151,28 +144,43 @@ def plan_shares(
         robot: Both of them.
         settings: Where the second one stands in that cell.
     """
-    refused, planned, reason = 0, 0, ""
-    limits = layout.limits
     places = {
         name: beside_rack(place_of(name, layout, robot, settings), robot, settings, {})
         for name in (FIRST, SECOND)
     }
+
+    def halves(recipe: Recipe, T_base_door: FloatArray) -> list[tuple[Share, CellLayout]]:
+        return [(share, places[share.robot]) for share in split(recipe, T_base_door, settings)]
+
+    return _planned(recipes, layout, robot, settings, halves, None)
+
+
+def _planned(
+    recipes: Sequence[Recipe],
+    layout: CellLayout,
+    robot: Robot,
+    settings: PathSettings,
+    shares_of: SharesOf,
+    most: int | None,
+) -> PlannedDoors:
+    """As `plan_doors`, for however many robots."""
+    refused, planned, reason = 0, 0, ""
+    limits = layout.limits
     for recipe, sign in itertools.product(recipes, (-1.0, 1.0)):
         offset = DoorOffset(sign * limits.y, sign * limits.z, sign * limits.rotation)
-        T_base_door = layout.T_base_door(recipe.width, recipe.thickness, offset)
         planned += 1
-        for share in split(recipe, T_base_door, settings):
-            if not share.operations:
-                continue
-            place = places[share.robot]
-            try:
-                route(recipe, share.operations, share.T_base_door, place, robot, settings)
-            except DoormillError as error:
-                refused += 1
-                reason = reason or (
-                    f"{m_to_mm(recipe.width):.0f} x {m_to_mm(recipe.thickness):.0f} mm, {share.robot} robot: "
-                    f"{error.message}"
-                )
+        who = ""
+        try:
+            shares = shares_of(recipe, layout.T_base_door(recipe.width, recipe.thickness, offset))
+            for share, about in shares:
+                who = f", {share.robot} robot" if len(shares) > 1 else ""
+                if share.operations:
+                    route(recipe, share.operations, share.T_base_door, about, robot, settings)
+        except DoormillError as error:
+            refused += 1
+            size = f"{m_to_mm(recipe.width):.0f} x {m_to_mm(recipe.thickness):.0f} mm"
+            reason = reason or f"{size}{who}: {error.message}"
+            if most is not None and refused > most:
                 break
     return PlannedDoors(planned, refused, reason)
 

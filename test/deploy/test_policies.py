@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 from doormill_ros.cell.readiness import BESIDE, NEEDED
-from doormill_ros.localization.sensors.registry import SENSORS
+from doormill_ros.localization.sensors.registry import CELL_SENSORS
 from scripts.list_policies import CAMERAS, FILE, KINDS, SIMULATORS, Graph, policies, whole_graph
 from support.source_tree import ROOT
 
@@ -35,7 +35,7 @@ def allowed(enclave: str) -> set[tuple[str, str, str]]:
 
 def test_the_file_is_the_one_made_from_the_running_cell(graph: Graph) -> None:
     assert FILE == ROOT / "config" / "security" / "policies.xml"
-    assert set(graph) == {*NEEDED, *BESIDE, *SIMULATORS, *SENSORS, *CAMERAS}
+    assert set(graph) == {*NEEDED, *BESIDE, *SIMULATORS, *CELL_SENSORS, *CAMERAS}
     assert FILE.read_text(encoding="utf-8") == policies(graph), "run python -m scripts.list_policies"
 
 

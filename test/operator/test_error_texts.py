@@ -17,7 +17,7 @@ from doormill_ros.abb.handshake.state import HandshakeState
 from doormill_ros.cell.node_names import DOOR_SHARES
 from doormill_ros.cell.readiness import BESIDE, CONTROLLER, NEEDED
 from doormill_ros.errors import catalogue
-from doormill_ros.localization.sensors.registry import SENSORS
+from doormill_ros.localization.sensors.registry import CELL_SENSORS
 from doormill_ros.operator.languages import LANGUAGES, headline_in
 from doormill_ros.operator.views.captioned_picture import CAPTIONS
 from doormill_ros.operator.views.ended_run import EndedRun
@@ -95,7 +95,7 @@ def test_states_stages_and_nodes_have_their_words(language: str) -> None:
     action = (ROOT / "doormill_interfaces" / "action" / "MillDoor.action").read_text()
     stages = re.search(r"^string stage +# (.*)$", action, re.M)[1].split(", ")
     assert len(stages) == 6
-    nodes = {*NEEDED, *BESIDE, *SENSORS, CONTROLLER, DOOR_SHARES}
+    nodes = {*NEEDED, *BESIDE, *CELL_SENSORS, CONTROLLER, DOOR_SHARES}
     wanted = {f"situation.{state.value}" for state in HandshakeState}
     wanted |= {f"stage.{stage}" for stage in stages} | {f"node.{node}" for node in nodes}
     assert wanted <= set(texts)

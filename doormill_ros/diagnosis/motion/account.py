@@ -11,7 +11,7 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.core.examining.examination import Double
 from doormill_ros.diagnosis.core.telling.account import NamedCause
 from doormill_ros.diagnosis.core.words.wording import spoken
-from doormill_ros.diagnosis.motion.diagnosis import ENCODERS, MotionDiagnosis, mean_square
+from doormill_ros.diagnosis.motion.diagnosis import ENCODERS, MotionDiagnosis
 from doormill_ros.diagnosis.motion.examination import JointFinding
 from doormill_ros.diagnosis.motion.laws import model_with_laws
 from doormill_ros.diagnosis.motion.model import JointFit, coefficients, stiffness_of
@@ -19,7 +19,7 @@ from doormill_ros.diagnosis.motion.noise import mean_square_of, no_slips
 from doormill_ros.measurements.motion_set import MotionSet
 from doormill_ros.robot_model.motion.causes.time_skew import TimeSkew
 from doormill_ros.robot_model.motion.model import JointModel
-from doormill_ros.statistics import bootstrap_ratio
+from doormill_ros.statistics import bootstrap_ratio, root_mean_square
 
 Figures = dict[str, dict[str, Any]]
 
@@ -54,7 +54,7 @@ def check_set(diagnosis: MotionDiagnosis, other: MotionSet) -> dict[str, Any]:
             found[f"joint {motion.joint}"]["characterised"] = _root_mean_square(left)
     entry: dict[str, Any] = {"set": other.name, "rows": len(other)}
     for name in found[f"joint {other.joints[0]}"]:
-        entry[name] = {"rmse": mean_square([one[name] for one in found.values()])}
+        entry[name] = {"rmse": root_mean_square([one[name] for one in found.values()])}
     return entry | {"by_joint": found}
 
 
@@ -140,8 +140,8 @@ def _spread(found: JointFit, index: int) -> FloatArray:
     """Standard deviations of the coefficients that `coefficients` gives."""
     if not found.members[index].phased:
         return found.std[index]
-    deviations = [float(np.sqrt(np.mean(std**2))) for std in found.own_std[index]]
-    return np.array([mean_square(deviations) / np.sqrt(len(deviations))])
+    deviations = [root_mean_square(std) for std in found.own_std[index]]
+    return np.array([root_mean_square(deviations) / np.sqrt(len(deviations))])
 
 
 def law_sections(diagnosis: MotionDiagnosis) -> dict[str, Any]:
@@ -161,7 +161,7 @@ def law_sections(diagnosis: MotionDiagnosis) -> dict[str, Any]:
             groups.append(laws.by_configuration)
     squares = np.mean(groups, axis=0)
     _, (low, high) = bootstrap_ratio(np.full(len(squares), squares.mean()), squares)
-    value = mean_square(parts)
+    value = root_mean_square(parts)
     return {
         "unnamed": [law.document() for laws in found for law in laws.laws],
         "characterised": {"holdout_rmse": value, "ci95": [value * low, value * high]},

@@ -27,15 +27,11 @@ from doormill_ros.robot_model.motion.causes.cause import MotionCause
 from doormill_ros.robot_model.motion.causes.time_skew import TimeSkew
 from doormill_ros.robot_model.motion.law.term import MotionTerm
 from doormill_ros.robot_model.motion.model import MotionModel
+from doormill_ros.statistics import root_mean_square
 from doormill_ros.units import s_to_ms
 
 #: Where all link encoders are late together.
 ENCODERS = "link encoders"
-
-
-def mean_square(values: Sequence[float]) -> float:
-    """Root of the mean of squares."""
-    return float(np.sqrt(np.mean(np.square(values))))
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +72,7 @@ class MotionQuestion(Question[MotionCause, MotionFit]):
             JointProblem(tuple(recording[k] for recording in self._motions), sets[0].noise)
             for k in range(len(sets[0].joints))
         ]
-        self.noise_floor = mean_square([problem.floor for problem in self.problems])
+        self.noise_floor = root_mean_square([problem.floor for problem in self.problems])
         self.joints: tuple[JointFinding, ...] = ()
         self._searches: list[JointSearch] = []
 
@@ -169,7 +165,7 @@ class MotionQuestion(Question[MotionCause, MotionFit]):
         return self._rmse([fit.held_out for fit in model.joints])
 
     def _rmse(self, errors: Sequence[FloatArray]) -> float:
-        return mean_square([p.rmse(own) for p, own in zip(self.problems, errors, strict=True)])
+        return root_mean_square([p.rmse(own) for p, own in zip(self.problems, errors, strict=True)])
 
     def holdout_squares(self, model: MotionFit, kept: None = None) -> FloatArray:
         """Of all joints by block of time, shape (blocks,)."""

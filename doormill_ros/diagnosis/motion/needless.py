@@ -23,6 +23,7 @@ from doormill_ros.diagnosis.motion.search import CLEAR, WORTH
 from doormill_ros.robot_model.motion.causes.cause import SPRING, MotionCause
 from doormill_ros.robot_model.motion.law.dictionary import dictionary
 from doormill_ros.robot_model.motion.law.term import MotionTerm
+from doormill_ros.statistics import root_mean_square
 
 #: Why a name is taken back.
 OTHER_LAW = "what follows the same driver beside it says that its law is another"
@@ -88,7 +89,7 @@ def _same_law(term: MotionTerm, cause: MotionCause) -> bool:
 def _explains(finding: JointFinding, model: Fit[MotionTerm]) -> bool:
     """Whether what laws leave is noise, or less than what the least cause has to be worth."""
     floor, before = finding.problem.floor, finding.problem.rmse(finding.extended.held_out)
-    left = float(np.sqrt(np.mean(model.held_out**2)))
+    left = root_mean_square(model.held_out)
     return left <= AT_NOISE * floor or left**2 - floor**2 < WORTH * (before**2 - floor**2)
 
 

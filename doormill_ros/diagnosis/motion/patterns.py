@@ -9,6 +9,7 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.motion.causes.cause import MotionCause
 from doormill_ros.robot_model.motion.view import JointMotion, SeenMotion
+from doormill_ros.statistics import root_mean_square
 
 _BOTH_WAYS = 0.01  #: share of the samples with the rarer sign from which on both are seen
 
@@ -31,7 +32,7 @@ class MotionPattern(MotionCause):
         """Keep the shape of each recording, by the identity of its motion, in its unit."""
         super().__init__(where)
         self.driver, self.spoken, self.unit = driver, spoken, unit
-        self.size = max(float(np.sqrt(np.mean(np.concatenate(list(shapes.values())) ** 2))), 1e-12)
+        self.size = max(root_mean_square(np.concatenate(list(shapes.values()))), 1e-12)
         self._shapes = {key: shape / self.size for key, shape in shapes.items()}
 
     @property

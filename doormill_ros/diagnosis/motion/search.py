@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.core.fitting.held_out import standard_errors
+from doormill_ros.diagnosis.core.fitting.held_out import gain_in_errors
 from doormill_ros.diagnosis.core.fitting.ranking import ranked, ranks
 from doormill_ros.diagnosis.core.searching.search import Search
 from doormill_ros.diagnosis.motion.model import JointFit
@@ -97,7 +97,7 @@ class JointSearch(Search[MotionCause, JointFit]):
         score = float(fall.sum()) / problem.unit(after.held_out, before.residual - after.residual)
         score -= NUMBER * (after.numbers - before.numbers)
         share = float(fall.sum()) / max(problem.cost(after.held_out), 1e-300)
-        return Gain(score, standard_errors(fall), share)
+        return Gain(score, gain_in_errors(fall), share)
 
     def starts(self) -> list[JointFit]:
         """The model in question; what is not late at first sight may be so beside something else."""

@@ -18,19 +18,21 @@ SENSORS: dict[str, SensorLoader] = {
     "photoelectric": load_photoelectric,
     "touch_probe": load_touch_probe,
 }
+#: Those that are nodes beside /door_localizer in a cell: `one_camera` is its camera, asked from files.
+CELL_SENSORS = tuple(name for name in SENSORS if name != "one_camera")
 
 
 def registered(names: Iterable[str]) -> tuple[str, ...]:
     """The sensors of a list without the camera, which has a localizer of its own.
 
     Raises:
-        BadSensorFile: One of them does not exist.
+        BadSensorFile: One of them is none of a cell.
     """
     found = tuple(name for name in names if name != CAMERA)
-    unknown = [name for name in found if name not in SENSORS]
+    unknown = [name for name in found if name not in CELL_SENSORS]
     if unknown:
+        allowed = ", ".join((CAMERA, *CELL_SENSORS))
         raise BadSensorFile(
-            f"there is no sensor {unknown[0]!r}, allowed are {', '.join((CAMERA, *SENSORS))}; correct `sensors` in "
-            "config/cell.yaml"
+            f"no cell has a sensor {unknown[0]!r}, allowed are {allowed}; correct `sensors` in config/cell.yaml"
         )
     return found

@@ -7,7 +7,7 @@ import traceback
 from collections.abc import Callable
 from typing import Any
 
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.clock import Clock, ClockType
 from rclpy.exceptions import ParameterException
@@ -26,6 +26,7 @@ from doormill_ros.nodes.base.unmatched import (
     PERIOD,
     UnmatchedEndpoints,
 )
+from doormill_ros.nodes.convert.diagnostics import diagnostics
 
 OK: bytes = DiagnosticStatus.OK
 WARN: bytes = DiagnosticStatus.WARN
@@ -288,17 +289,8 @@ class ReportingNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
     def _publish_diagnostics(self) -> None:
         if not self.context.ok():
             return
-        level, message, values = self._health
-        status = DiagnosticStatus(
-            level=level,
-            name=self.get_fully_qualified_name().lstrip("/"),
-            message=message,
-            hardware_id="doormill",
-            values=[KeyValue(key=key, value=str(value)) for key, value in values.items()],
-        )
-        array = DiagnosticArray(status=[status])
-        array.header.stamp = self.get_clock().now().to_msg()
-        self._diagnostics.publish(array)
+        name, stamp = self.get_fully_qualified_name(), self.get_clock().now().to_msg()
+        self._diagnostics.publish(diagnostics(name, *self._health, stamp))
 
 
 def _with_events(arguments: dict[str, Any], events: Any) -> dict[str, Any]:

@@ -6,7 +6,6 @@ import threading
 import time
 from collections.abc import Mapping
 
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from std_msgs.msg import Header
 
 from doormill_interfaces.msg import ControllerEvent as EventMessage
@@ -25,6 +24,7 @@ from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.base.looking_thread import LookingThread
 from doormill_ros.nodes.base.managed_node import ManagedNode
 from doormill_ros.nodes.base.reporting_node import ERROR, OK, WARN
+from doormill_ros.nodes.convert.diagnostics import diagnostics
 
 PERIOD = 1.0  # s, between two looks
 #: A reading older than this is taken anew before a file is announced [s].
@@ -143,14 +143,9 @@ class ControllerMonitor:
     def _diagnose(self, level: bytes, message: str, error_code: int, figures: Mapping[str, object]) -> None:
         if not self._node.context.ok():
             return
-        values = {"error_code": error_code, **figures}
-        status = DiagnosticStatus(
-            level=level,
-            name=f"{self._node.get_fully_qualified_name().lstrip('/')}/controller",
-            message=message,
-            hardware_id="doormill",
-            values=[KeyValue(key=key, value=str(value)) for key, value in values.items()],
+        name, stamp = (
+            f"{self._node.get_fully_qualified_name()}/controller",
+            self._node.get_clock().now().to_msg(),
         )
-        array = DiagnosticArray(status=[status])
-        array.header.stamp = self._node.get_clock().now().to_msg()
-        self._diagnostics.publish(array)
+        values = {"error_code": error_code, **figures}
+        self._diagnostics.publish(diagnostics(name, level, message, values, stamp))

@@ -95,7 +95,7 @@ class MillDoorServer:
             )
         elif outcome.milled:
             found = None if inspections is None else inspections.found(end.run_id)
-            end.mill_unseen(found or MeasuredDoor())
+            end.note_unseen_milling(found or MeasuredDoor())
         else:
             end.refuse(MillingFaultError.code, outcome.reason)
         self._runs.tell(end)

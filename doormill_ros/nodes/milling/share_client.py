@@ -12,6 +12,7 @@ from std_msgs.msg import Bool, String
 from doormill_interfaces.action import MillDoor
 from doormill_interfaces.msg import RunResult
 from doormill_ros.cell.errors import NodeDeadError
+from doormill_ros.cell.run import TARGETS
 from doormill_ros.cell.summary import StageDurations
 from doormill_ros.cell.topic_names import SHARE_RESULT
 from doormill_ros.cell.two_robots import in_robot
@@ -19,8 +20,6 @@ from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.base.alive import LEASE, AliveWatch
 from doormill_ros.nodes.base.managed_node import ManagedNode
 from doormill_ros.nodes.clients.goal_client import GoalClient
-
-PLANNED = "targets"  #: stage that a bridge tells of when it waits for the word
 
 
 class ShareClient:
@@ -62,7 +61,7 @@ class ShareClient:
     @property
     def planned(self) -> bool:
         """See `ShareRobot`."""
-        return self._stage == PLANNED
+        return self._stage == TARGETS  # of which a bridge tells when it waits for the word
 
     def begin(self, door_id: str, run_id: str) -> None:
         """See `ShareRobot`."""

@@ -33,7 +33,7 @@ from doormill_ros.cell.summary import RunSummary
 from doormill_ros.cell.two_robots import in_robot
 from doormill_ros.files import write_atomically
 from doormill_ros.interrupts import Terminated
-from doormill_ros.localization.sensors.registry import SENSORS, registered
+from doormill_ros.localization.sensors.registry import CELL_SENSORS, registered
 from doormill_ros.nodes.abb_bridge import AbbBridge
 from doormill_ros.nodes.bag_recorder import BagRecorder
 from doormill_ros.nodes.base.chosen_values import check_values
@@ -172,7 +172,7 @@ class CellOptions:
                 "models": folder.models,
             },
         }
-        for node in (*SENSOR_NODES, *SENSORS) if self.sensors else ():
+        for node in (*SENSOR_NODES, *CELL_SENSORS) if self.sensors else ():
             chosen.setdefault(node, {})[SENSORS_PARAMETER.name] = ",".join(self.sensors)
         for node, values in self.parameters.items():
             chosen.setdefault(node, {}).update(values)

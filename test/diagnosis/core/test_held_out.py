@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from doormill_ros.diagnosis.core.fitting.held_out import left_out, scatter_of, standard_errors
+from doormill_ros.diagnosis.core.fitting.held_out import gain_in_errors, left_out, scatter_of
 from doormill_ros.diagnosis.core.words.verdict import (
     CONSISTENT,
     EXPLAINED,
@@ -43,10 +43,10 @@ def test_scatter_is_that_of_repeated_trials_where_rows_of_a_block_err_alike():
     assert np.all(real > 1.5 * independent), "else the blocks would prove nothing"
 
 
-def test_standard_errors_are_those_of_a_sum():
+def test_gains_in_errors_are_those_of_a_sum():
     fall = np.array([1.0, 2.0, 3.0, 6.0])
-    assert standard_errors(fall) == pytest.approx(12.0 / (np.std(fall, ddof=1) * 2.0))
-    assert standard_errors(fall[:1]) == 0.0
+    assert gain_in_errors(fall) == pytest.approx(12.0 / (np.std(fall, ddof=1) * 2.0))
+    assert gain_in_errors(fall[:1]) == 0.0
 
 
 @pytest.mark.parametrize(

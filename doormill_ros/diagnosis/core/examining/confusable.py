@@ -13,6 +13,7 @@ from doormill_ros.diagnosis.core.fitting.kinks import score_without
 from doormill_ros.diagnosis.core.fitting.problem import C
 from doormill_ros.diagnosis.core.fitting.ranking import QUANTUM
 from doormill_ros.diagnosis.core.searching.beam import EQUAL, BeamSearch
+from doormill_ros.statistics import root_mean_square
 
 #: Fall of the score with one more number that chance reaches once in ten sets.
 LEANING = 2.7
@@ -65,7 +66,7 @@ def _alike(best: Fit[C], model: Fit[C], resolution: float) -> bool:
         return False
     apart = np.linalg.norm(model.prediction.residual - best.prediction.residual, axis=1)
     apart = apart[apart > _DIFFERS * resolution]
-    return not len(apart) or float(np.sqrt(np.mean(apart**2))) < resolution
+    return not len(apart) or root_mean_square(apart) < resolution
 
 
 def _double(cause: C, model: Fit[C], behind: float) -> Double[C, Fit[C]]:

@@ -31,17 +31,17 @@ def left_out(
         yield solve(H - own, g - pull)
 
 
-def standard_errors(fall: FloatArray) -> float:
+def gain_in_errors(fall: FloatArray) -> float:
     """Sum of what blocks left out gain, shape (blocks,), over its standard error by the scatter of the blocks."""
     if len(fall) < 2:
         return 0.0
     return float(fall.sum() / max(float(fall.std(ddof=1)) * np.sqrt(len(fall)), 1e-300))
 
 
-def expected_errors(fall: FloatArray, expected: FloatArray) -> float:
+def gain_in_expected_errors(fall: FloatArray, expected: FloatArray) -> float:
     """Sum of what blocks left out gain over its standard error, where it is known in what proportion they should.
 
-    What befalls a few blocks alone is no less sure for that the others gain nothing by it.
+    A cause that acts in a few blocks alone is not penalised because the others gain nothing.
 
     Args:
         fall: What each gains, shape (blocks,).

@@ -25,6 +25,7 @@ from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot_model.elastic.compliance import ComplianceModel
 from doormill_ros.robot_model.extended_model import ExtendedComplianceModel, load_model_of, standing_model
 from doormill_ros.robot_model.warmth.grown_model import grown, growth_in
+from doormill_ros.statistics import root_mean_square
 from doormill_ros.units import hours_to_s
 
 LAST = 3  #: doors of a recipe by which its next one is judged
@@ -65,7 +66,7 @@ def in_use_document(diagnosis: DoorDiagnosis, model: str, first: int) -> dict[st
         "model": model,
         "expected_error": _expected(late, errors(used)),
         "expected_error_extended": _expected(late, errors(found)),
-        "difference": float(np.sqrt(np.mean(np.concatenate(moved) ** 2))),
+        "difference": root_mean_square(np.concatenate(moved)),
     }
 
 

@@ -25,6 +25,7 @@ from doormill_ros.diagnosis.parts.fitting.course import InTime
 from doormill_ros.diagnosis.parts.fitting.moved import by_load
 from doormill_ros.frames import inverse
 from doormill_ros.robot_model.elastic.causes.cause import JOINTS
+from doormill_ros.statistics import root_mean_square
 
 _SAME = 1e-3  #: points of a recipe's surface nearer than this are one [m]
 
@@ -105,7 +106,7 @@ class ForceDiscrepancy(Discrepancy):
 
     def columns(self, case: CutCase) -> FloatArray:
         """What gives way at each door, in proportion to its force."""
-        share = self.spread / max(float(np.sqrt(np.mean(case.springs() ** 2))), 1e-9)
+        share = self.spread / max(root_mean_square(case.springs()), 1e-9)
         given = gives_way(case, self.members, np.array(self.theta))
         own: FloatArray = share * given[:, None] * (case.time[:, None] == np.unique(case.time))
         return own

@@ -12,6 +12,7 @@ from doormill_ros.diagnosis.core.words.margin import Check, Margin
 from doormill_ros.diagnosis.parts.effects.case import CutCase
 from doormill_ros.diagnosis.parts.fitting.course import InTime
 from doormill_ros.diagnosis.parts.fitting.moved import moved
+from doormill_ros.statistics import root_mean_square
 from doormill_ros.units import m_to_um
 
 #: Standard deviations of mill and drifts that an effect has to move the points by to be none of theirs.
@@ -36,7 +37,7 @@ def moves_enough(
     left = moved(case, members, np.concatenate(without))[0]
     moves = moved(case, members, theta)[0] - left
     acts = moves != 0.0
-    size = float(np.sqrt(np.mean(moves[acts] ** 2))) if acts.any() else 0.0
+    size = root_mean_square(moves[acts]) if acts.any() else 0.0
     drifts = [member.effect.drifts or member.course.drifts for member in members]
     still = [np.zeros_like(part) if drift else part for drift, part in zip(drifts, without, strict=True)]
     drift = left - moved(case, members, np.concatenate(still))[0]

@@ -39,6 +39,7 @@ from doormill_ros.diagnosis.parts.fitting.known import moves_enough
 from doormill_ros.diagnosis.parts.fitting.moved import by_load, moved
 from doormill_ros.diagnosis.parts.fitting.placement import DoorPlaces, door_places, places_of
 from doormill_ros.robot.description import Robot
+from doormill_ros.statistics import root_mean_square
 
 FEW = 3  #: doors from which on whole features are left out together instead of stretches of them
 MANY = 120  #: such groups; from there on whole doors
@@ -105,7 +106,7 @@ class DoorProblem(Examined[InTime]):
             tip=T_flange_tool[:3, 3],
         )
         noise = self._of_door([door.noise for door in self.doors])
-        self.noise_floor = float(np.sqrt(np.mean(noise**2)))
+        self.noise_floor = root_mean_square(noise)
         varies = [one.varies * one.size for one in discrepancies]
         self.noise = np.hypot(noise, float(np.linalg.norm(varies)))
         self.measured = self.points.deviation - self.points.sent
@@ -148,7 +149,7 @@ class DoorProblem(Examined[InTime]):
     @property
     def off(self) -> float:
         """How far the walls are off beside what the springs make, root mean square [m]."""
-        return float(np.sqrt(np.mean((self.measured - self.case.springs()) ** 2)))
+        return root_mean_square(self.measured - self.case.springs())
 
     def excess(self, members: Sequence[InTime], theta: FloatArray) -> float:
         """What a model leaves beyond noise beside places, mill and discrepancy, mean square in standard deviations.

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from doormill_ros.arrays import FloatArray, IntArray
-from doormill_ros.diagnosis.core.fitting.held_out import expected_errors
+from doormill_ros.diagnosis.core.fitting.held_out import gain_in_expected_errors
 from doormill_ros.diagnosis.core.fitting.ridge import Solution, learn
 from doormill_ros.diagnosis.pose.fitting.fit import Fitted, contiguous
 from doormill_ros.diagnosis.pose.fitting.validation import Split, Validation
@@ -78,7 +78,7 @@ def find_moved(fitted: Fitted, series: int, validated: Callable[[], Validation])
         if min(better) > found.worth:
             best = more
     fall = left[()] - left[best]
-    sure = expected_errors(fall, found.cost(held[()] - held[best]))
+    sure = gain_in_expected_errors(fall, found.cost(held[()] - held[best]))
     if fall.sum() < found.worth or sure < SURE:
         return Moved()
     names = {cause.name for cause in best}

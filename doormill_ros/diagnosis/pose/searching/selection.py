@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray
-from doormill_ros.diagnosis.core.fitting.held_out import expected_errors, standard_errors
+from doormill_ros.diagnosis.core.fitting.held_out import gain_in_errors, gain_in_expected_errors
 from doormill_ros.diagnosis.core.words.verdict import rmse
 from doormill_ros.diagnosis.pose.fitting.validation import AXES_OF_POSITION, Validation, by_block
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
@@ -81,11 +81,11 @@ def scores(validation: Validation, chosen: Sequence[int], left: float) -> list[S
         every = np.concatenate(change)
         if cause.timed:
             expected = by_block(validation.cost([a - b for a, b in zip(errors, unseen, strict=True)]))
-            sure = np.array([expected_errors(a, b) for a, b in zip(change, expected, strict=True)])
-            total_sure = expected_errors(every, np.concatenate(expected))
+            sure = np.array([gain_in_expected_errors(a, b) for a, b in zip(change, expected, strict=True)])
+            total_sure = gain_in_expected_errors(every, np.concatenate(expected))
         else:
-            sure = np.array([standard_errors(part) for part in change])
-            total_sure = standard_errors(every)
+            sure = np.array([gain_in_errors(part) for part in change])
+            total_sure = gain_in_errors(every)
         transfer = np.zeros(0)
         if cause.of_robot:
             costs = validation.cost(next(in_series))
@@ -94,7 +94,7 @@ def scores(validation: Validation, chosen: Sequence[int], left: float) -> list[S
         position = by_block(
             [a - b for a, b in zip(validation.cost(errors, AXES_OF_POSITION), full_position, strict=True)]
         )
-        position_sure = standard_errors(np.concatenate(position))
+        position_sure = gain_in_errors(np.concatenate(position))
         score = Score(
             cause,
             gain,

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from doormill_ros.diagnosis.core.fitting.held_out import standard_errors
+from doormill_ros.diagnosis.core.fitting.held_out import gain_in_errors
 from doormill_ros.diagnosis.pose.fitting.fit import Fitted, fit_causes
 from doormill_ros.diagnosis.pose.fitting.validation import Validation, held_out_fall
 from doormill_ros.diagnosis.pose.searching.selection import SHARE, SURE, WORTH
@@ -57,7 +57,7 @@ def find_standing(
         progress(f"gravity may act along {one.stance.document()}; asking rows left out")
         tried = _tried(some, one.stance, nominal)
         fall, left = held_out_fall(best, tried)
-        if fall.sum() > max(WORTH, SHARE * left) and standard_errors(fall) > SURE:
+        if fall.sum() > max(WORTH, SHARE * left) and gain_in_errors(fall) > SURE:
             found, best = one, tried
     return found
 

@@ -11,6 +11,7 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
 from doormill_ros.diagnosis.pose.fitting.validation import Split
+from doormill_ros.statistics import root_mean_square
 
 #: Standard deviations on either side that hold 95 of 100 normal errors.
 NORMAL_95 = 1.96
@@ -83,15 +84,11 @@ def _told(one: Certainty) -> dict[str, Any]:
         "set": one.name,
         "rows": len(one.off),
         "within_95": one.within,
-        "expected_rmse": _root(one.expected),
-        "rmse": _root(one.off),
+        "expected_rmse": root_mean_square(one.expected),
+        "rmse": root_mean_square(one.off),
         "groups": [
-            {"expected_rmse": _root(one.expected[group]), "rmse": _root(one.off[group])}
+            {"expected_rmse": root_mean_square(one.expected[group]), "rmse": root_mean_square(one.off[group])}
             for group in order
             if len(group)
         ],
     }
-
-
-def _root(values: FloatArray) -> float:
-    return float(np.sqrt(np.mean(values**2)))

@@ -9,12 +9,13 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.motion.causes.cause import DELAY, SPEED, MotionCause
 from doormill_ros.robot_model.motion.view import SeenMotion
+from doormill_ros.statistics import root_mean_square
 
 
 def largest_damping(motions: Sequence[SeenMotion]) -> float:
     """Damping that takes all torque of some recordings [N m s / rad]."""
     speed, torque = (
-        float(np.sqrt(np.mean(np.concatenate([getattr(seen, name) for seen in motions]) ** 2)))
+        root_mean_square(np.concatenate([getattr(seen, name) for seen in motions]))
         for name in ("speed", "torque")
     )
     return torque / max(speed, 1e-12)
