@@ -9,6 +9,7 @@ from pathlib import Path
 from doormill_ros.catalogue.errors import BadRunRecordError
 from doormill_ros.catalogue.run import CataloguedInspection, CataloguedRun
 from doormill_ros.catalogue.run_collector import RunCollector, topic_of
+from doormill_ros.cell.inspection_files import BESIDE_BAG, DESCRIPTION
 from doormill_ros.config import read_document
 from doormill_ros.recording.bag_folders import content_of_bag
 from doormill_ros.recording.bag_reader import read_bag
@@ -16,9 +17,6 @@ from doormill_ros.recording.completeness import check_whole
 from doormill_ros.recording.errors import BagError, UnreadableBagError
 from doormill_ros.recording.information import information_of
 from doormill_ros.units import s_to_ns
-
-DESCRIPTION = "inspection.yaml"
-BESIDE = "inspection"  #: folder of an inspection in the folder that holds the bag
 
 
 @dataclass(frozen=True)
@@ -75,7 +73,7 @@ def finished(folder: Path, collector: RunCollector) -> BagRows:
     rows = tuple(
         replace(run, bag=bag, bag_sha256=content.sha256, bag_bytes=content.size) for run in collector.runs()
     )
-    beside, refused = folder.resolve().parent / BESIDE, collector.refused
+    beside, refused = folder.resolve().parent / BESIDE_BAG, collector.refused
     inspections: tuple[CataloguedInspection, ...] = ()
     if (beside / DESCRIPTION).is_file():
         try:

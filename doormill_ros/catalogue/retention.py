@@ -7,11 +7,11 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from doormill_ros.catalogue.bag_rows import BESIDE, DESCRIPTION
 from doormill_ros.catalogue.database import Catalogue, Selection
 from doormill_ros.catalogue.errors import BadRetentionError
 from doormill_ros.catalogue.needs import Needs, find_needs
 from doormill_ros.catalogue.run import CatalogueRow
+from doormill_ros.cell.inspection_files import BESIDE_BAG, DESCRIPTION
 from doormill_ros.recording.bag_folders import content_of_bag
 from doormill_ros.recording.bag_reader import bag_files
 from doormill_ros.recording.metadata import METADATA
@@ -209,8 +209,8 @@ class _Bag:
                 return f"the inspection {row.inspection.inspection} needs it"
         if not self.begun_ns:
             return "nobody knows how old it is"
-        if (self.path.parent / BESIDE / DESCRIPTION).exists():
-            return f"the inspection {self.path.parent / BESIDE} needs it"
+        if (self.path.parent / BESIDE_BAG / DESCRIPTION).exists():
+            return f"the inspection {self.path.parent / BESIDE_BAG} needs it"
         inspected = needs.of(self.path, [row.run.run_id for row in self.rows])
         if inspected:
             return inspected

@@ -13,9 +13,7 @@ from doormill_ros.robot_model.elastic.compliance import ComplianceModel, Standin
 from doormill_ros.robot_model.extended_model import ExtendedComplianceModel
 from doormill_ros.robot_model.gravity.model import SaggingModel
 from doormill_ros.robot_model.gravity.sag import GravitySag
-from doormill_ros.robot_model.gravity.weights import Weight
-
-FLANGE = 6
+from doormill_ros.robot_model.gravity.weights import FLANGE, Weight
 
 
 def with_gravity(model: ComplianceModel, robot: Robot, gravity: Gravity) -> ComplianceModel:

@@ -134,9 +134,13 @@ def _rows(log: Recording, name: str, span: tuple[float, float]) -> slice:
     start, end = span
     last = float(log.time[-1])
     if not 0.0 <= start < end:
-        raise SegmentError(f"segment {name} runs from {start:g} s to {end:g} s, allowed is 0 <= start < end")
+        raise SegmentError(
+            f"segment {name} runs from {start:g} s to {end:g} s, allowed is 0 <= start < end; correct the segment"
+        )
     if start > last:
-        raise SegmentError(f"segment {name} starts at {start:g} s, the log {log.path} ends at {last:g} s")
+        raise SegmentError(
+            f"segment {name} starts at {start:g} s, the log {log.path} ends at {last:g} s; correct it"
+        )
     rows = slice(int(np.searchsorted(log.time, start)), int(np.searchsorted(log.time, end)))
     _enough(name, rows.stop - rows.start)
     return rows

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import ByteArray, FloatArray, IntArray
+from doormill_ros.cell.clock import FUTURE
 from doormill_ros.cell.layout import DoorOffset, PlacementLimits
 from doormill_ros.localization.camera import CameraModel
 from doormill_ros.localization.edge_points.blur import Spread
@@ -29,7 +30,6 @@ from doormill_ros.localization.settings import LocalizerSettings
 from doormill_ros.statistics import share
 from doormill_ros.units import m_to_mm, rad_to_deg
 
-FUTURE = 1.0  # s that a camera's clock may be ahead
 _MOST_WHITE = 0.6  # share of clipped pixels in a picture
 _DARKEST = 16  # grey level that one pixel in two hundred must exceed
 _FEWEST_ROWS = 60

@@ -14,13 +14,12 @@ from pathlib import Path
 import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray
+from doormill_ros.cell.inspection_files import BESIDE_BAG, DESCRIPTION, TABLE
 from doormill_ros.errors import DataSetError
 from doormill_ros.measurements.schemas import INSPECTION
 from doormill_ros.measurements.set_document import SetDocument
 from doormill_ros.measurements.trial_table import TrialTable
 
-DESCRIPTION, TABLE = "inspection.yaml", "points.csv"
-BESIDE_BAG = "inspection"  #: folder of an inspection in the folder of its run
 SURFACES = ("wall", "floor")
 POINT_COLUMNS, NORMAL_COLUMNS = ("x", "y", "z"), ("nx", "ny", "nz")
 COLUMNS = ("feature", "surface", *POINT_COLUMNS, *NORMAL_COLUMNS, "deviation")

@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import Protocol
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.cell.inspection_files import DESCRIPTION, TABLE
 from doormill_ros.files import write_atomically
-from doormill_ros.measurements.inspection import CAMERA, COLUMNS, DESCRIPTION, TABLE
+from doormill_ros.measurements.inspection import CAMERA, COLUMNS
 from doormill_ros.measurements.schemas import INSPECTION
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from doormill_ros.measurements.inspection import DESCRIPTION, TABLE
+from doormill_ros.cell.inspection_files import DESCRIPTION, TABLE
 from doormill_ros.monitor.question import DiagnosisQuestion
 
 SPRINGS = "springs"  #: what the tool calls the robot's own springs

@@ -169,7 +169,7 @@ def load_robot(name_or_path: str | Path) -> Robot:
     except (OSError, ValueError) as error:  # not there, or no name that a file can have
         shipped = sorted(folder.name for folder in resource("config/robots").iterdir())
         raise RobotDescriptionError(
-            f"no robot '{name_or_path!s:.200}': it is no folder and not one of {', '.join(shipped)}",
+            f"no robot '{name_or_path!s:.200}': it is no folder and not one of {', '.join(shipped)}; correct the name",
             robot=str(name_or_path),
         ) from error
     return _load(path)
@@ -217,7 +217,7 @@ def _check_limits(
             raise RobotDescriptionError(
                 f"{path}: joint {joint + 1} has limits {rad_to_deg(low):.3f} to {rad_to_deg(high):.3f} deg, "
                 f"allowed is a range within the URDF's {rad_to_deg(urdf_lower[joint]):.3f} to "
-                f"{rad_to_deg(urdf_upper[joint]):.3f} deg"
+                f"{rad_to_deg(urdf_upper[joint]):.3f} deg; narrow it"
             )
 
 

@@ -102,12 +102,16 @@ def _chain_joints(path: Path) -> tuple[str, str, list[ElementTree.Element]]:
     for joint in root.findall("joint"):
         child = _link(path, joint, "child")
         if child in parent_joint:
-            raise RobotDescriptionError(f"{path}: link {child} hangs on two joints, allowed is one")
+            raise RobotDescriptionError(
+                f"{path}: link {child} hangs on two joints, allowed is one; remove the other"
+            )
         parent_joint[child] = joint
     links = [link.get("name", "") for link in root.findall("link")]
     roots = [link for link in links if link not in parent_joint]
     if len(roots) != 1:
-        raise RobotDescriptionError(f"{path} has root links {roots}, allowed is exactly one")
+        raise RobotDescriptionError(
+            f"{path} has root links {roots}, allowed is one; hang the others on it by fixed joints"
+        )
 
     def joints_to(link: str) -> list[ElementTree.Element]:
         steps: list[ElementTree.Element] = []
@@ -115,7 +119,9 @@ def _chain_joints(path: Path) -> tuple[str, str, list[ElementTree.Element]]:
             steps.append(parent_joint[link])
             link = _link(path, parent_joint[link], "parent")
             if len(steps) > len(parent_joint):
-                raise RobotDescriptionError(f"{path}: the joints above link {link} form a loop")
+                raise RobotDescriptionError(
+                    f"{path}: the joints above link {link} form a loop, allowed is a tree; remove one"
+                )
         return steps[::-1]
 
     candidates = []
@@ -126,7 +132,9 @@ def _chain_joints(path: Path) -> tuple[str, str, list[ElementTree.Element]]:
         if len(moving) == JOINTS and not mimics:
             candidates.append((len(steps), link, steps))
     if not candidates:
-        raise RobotDescriptionError(f"{path} has no chain of exactly {JOINTS} moving joints")
+        raise RobotDescriptionError(
+            f"{path} has no chain of {JOINTS} moving joints; describe the arm alone, other joints as fixed"
+        )
     _, flange, steps = max(candidates, key=lambda candidate: candidate[0])
     return roots[0], flange, steps
 
@@ -140,7 +148,8 @@ def _zero_position(path: Path, base: str, flange: str, steps: list[ElementTree.E
             continue
         if joint.get("type") not in ("revolute", "continuous"):
             raise RobotDescriptionError(
-                f"{path}: joint {joint.get('name')} is {joint.get('type')}, allowed is revolute"
+                f"{path}: joint {joint.get('name')} is {joint.get('type')}, allowed is revolute; "
+                "only arms whose joints all turn are supported"
             )
         axes.append(T_base_link[:3, :3] @ _axis(path, joint))
         points.append(T_base_link[:3, 3].copy())
@@ -164,7 +173,7 @@ def _bound(
         value = np.nan
     if np.isnan(value):
         raise RobotDescriptionError(
-            f"{path}: joint {joint.get('name')} has the {name} limit '{text}', allowed is a number"
+            f"{path}: joint {joint.get('name')} has the {name} limit '{text}', allowed is a number; correct it"
         )
     return value
 
@@ -174,7 +183,9 @@ def _axis(path: Path, joint: ElementTree.Element) -> FloatArray:
     axis = _numbers(path, joint, "1 0 0" if element is None else element.get("xyz", "1 0 0"))
     norm = np.linalg.norm(axis)
     if norm < 1e-9:
-        raise RobotDescriptionError(f"{path}: the axis of joint {joint.get('name')} has no length")
+        raise RobotDescriptionError(
+            f"{path}: the axis of joint {joint.get('name')} has no length; correct it to a direction such as 0 0 1"
+        )
     return axis / norm
 
 
@@ -193,7 +204,7 @@ def _numbers(path: Path, joint: ElementTree.Element, text: str) -> FloatArray:
         values = np.empty(0)
     if values.shape != (3,) or not np.all(np.isfinite(values)):
         raise RobotDescriptionError(
-            f"{path}: joint {joint.get('name')} has '{text}' where three finite numbers belong"
+            f"{path}: joint {joint.get('name')} has '{text}' where three finite numbers belong; correct it"
         )
     return values
 
@@ -201,5 +212,5 @@ def _numbers(path: Path, joint: ElementTree.Element, text: str) -> FloatArray:
 def _link(path: Path, joint: ElementTree.Element, tag: str) -> str:
     element = joint.find(tag)
     if element is None or not element.get("link"):
-        raise RobotDescriptionError(f"{path}: joint {joint.get('name')} names no {tag} link")
+        raise RobotDescriptionError(f"{path}: joint {joint.get('name')} names no {tag} link; add one")
     return element.get("link", "")

@@ -17,9 +17,7 @@ from doormill_ros.robot.description import Robot
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot_model.elastic.compliance import StandingSpread
 from doormill_ros.robot_model.gravity.sag import GravitySag
-from doormill_ros.robot_model.gravity.weights import Weight
-
-FLANGE = 6
+from doormill_ros.robot_model.gravity.weights import FLANGE, Weight
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,9 @@ import pytest
 from doormill_ros.catalogue.database import ENVIRONMENT, Catalogue
 from doormill_ros.catalogue.known_bags import known_bag
 from doormill_ros.catalogue.run import CataloguedRun
+from doormill_ros.cell.inspection_files import DESCRIPTION
 from doormill_ros.errors import DataSetError
-from doormill_ros.measurements.inspection import DESCRIPTION, inspections_in, read_inspection
+from doormill_ros.measurements.inspection import inspections_in, read_inspection
 from doormill_ros.measurements.inspection_writer import write_inspection
 from doormill_ros.simulation.world.gauge import GaugedPoints
 

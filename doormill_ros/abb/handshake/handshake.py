@@ -219,7 +219,11 @@ class Handshake:
             if milled:
                 self._enter(State.DONE, reason, 0)
         context = f" (before: {before.reason})" if before.error_code else ""
-        self._drop_submission(link_errors.StaleSubmissionError("the file was made for an earlier request"))
+        self._drop_submission(
+            link_errors.StaleSubmissionError(
+                "the file was made for an earlier request; take a new picture of the door"
+            )
+        )
         # Its mark is read before anybody is told of the request: a picture is then never older than the mark.
         self._request.begin()
         self._update(request_number=number, times={}, run_id="", door_id="")

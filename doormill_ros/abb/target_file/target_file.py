@@ -265,5 +265,7 @@ def _split(data: bytes) -> list[str]:
         )
     lines = data[:-1].decode("ascii").split("\n")
     if len(lines) > MAX_LINES:
-        raise TargetLineError(f"the target file has {len(lines)} lines, allowed are {MAX_LINES}", line=0)
+        raise TargetLineError(
+            f"the target file has {len(lines)} lines, allowed are {MAX_LINES}; write the file anew", line=0
+        )
     return lines

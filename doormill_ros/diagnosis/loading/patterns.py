@@ -7,7 +7,7 @@ blamed for an effect that merely resembles it.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,12 +17,12 @@ from doormill_ros.robot_model.elastic.causes.cause import ElasticCause, LinearTw
 from doormill_ros.robot_model.elastic.law.memory import let_through
 from doormill_ros.robot_model.elastic.law.parts import Motion, mount, shifted, torsion, yielding
 from doormill_ros.robot_model.elastic.load_case import LoadCase
+from doormill_ros.robot_model.elastic.places import JOINTS
 
-#: Patterns that let a spring vary; a constant cause beside one of them is only its mean value.
-_VARYING = (
-    "ripple", "square_law", "cubic_law", "one_sided", "dead_zone", "ageing", "warming", "yielding", "settling",
-    "remembering", "sticking",
-)  # fmt: skip
+#: What a pattern makes of joint k, 0 ... 5.
+Law = Callable[[LoadCase, int], list[FloatArray]]
+#: Least amplitude of a pattern that may have either sign.
+_ANY = -1e6
 
 
 class Pattern(LinearTwist):
@@ -36,7 +36,7 @@ class Pattern(LinearTwist):
         where: str,
         size: int,
         unit: Callable[[LoadCase], FloatArray],
-        lowest: float = -1e6,
+        lowest: float = _ANY,
     ) -> None:
         """Keep how to compute the pattern; `unit` gives shape (n, 6, size), `lowest` is the least amplitude."""
         super().__init__(where)
@@ -48,15 +48,6 @@ class Pattern(LinearTwist):
         """What it is."""
         return f"{self.name.replace('_', ' ')} of {self.where}"
 
-    def spoils(self, other: Candidate[Any]) -> bool:
-        """Where this one lets the same spring vary."""
-        if not any(word in self.name for word in _VARYING):
-            return False
-        if self.where == other.where:
-            return True
-        everywhere = isinstance(other, ElasticCause) and other.scales_all
-        return everywhere or (self.where == "cell" and other.name.startswith("joint_"))
-
     def unit(self, case: LoadCase) -> FloatArray:
         """The pattern."""
         return self._unit(case)
@@ -66,8 +57,27 @@ class Pattern(LinearTwist):
         return np.array(theta)
 
 
-#: Least amplitude of a pattern that may have either sign.
-_ANY = -1e6
+class VaryingSpring(Pattern):
+    """A pattern that lets a spring vary; a constant cause beside it is only its mean value."""
+
+    def spoils(self, other: Candidate[Any]) -> bool:
+        """Where this one lets the same spring vary."""
+        if self.where == other.where:
+            return True
+        everywhere = isinstance(other, ElasticCause) and other.scales_all
+        return everywhere or (self.where == "cell" and other.where in JOINTS)
+
+
+class _JointLaw(NamedTuple):
+    """What may be in each joint: a pattern's name, how many numbers it has, its law, and what it is."""
+
+    name: str
+    size: int
+    law: Law
+    lowest: float = _ANY
+    kind: type[Pattern] = VaryingSpring
+
+
 # What patterns make at amplitude 1.
 _TWIST = 1e-6  #: of a link under torsion [rad / (N m) a metre]
 _YIELD = 1e-7  #: of bearings and base [m / N], [rad / (N m)]
@@ -80,8 +90,6 @@ _REMEMBERING = (0.1, 0.4)
 #: Limits up to which friction holds a spring, its elements' spread evenly, over the largest torque: one may stand near.
 _STICKING = {"low": 0.15, "middle": 0.3, "high": 0.6}
 _ELEMENTS = 4
-#: What a pattern makes of joint k, 0 ... 5.
-Law = Callable[[LoadCase, int], list[FloatArray]]
 
 
 def _joint(k: int, law: Law) -> Callable[[LoadCase], FloatArray]:
@@ -161,36 +169,35 @@ def _sticking(part: float) -> Law:
 
 def _joint_laws(
     q: FloatArray, late: FloatArray, early: list[FloatArray], long: FloatArray, warm: FloatArray
-) -> tuple[tuple[str, int, Law, float], ...]:
-    """Name, numbers, law and least amplitude; one that stiffens with the torque has a name, one that softens none."""
+) -> tuple[_JointLaw, ...]:
+    """Those of a joint. One that stiffens with the torque has a name as a cause, one that softens none."""
     return (
-        ("joint_ripple", 2, lambda c, k: [f(q[:, k]) * _springs(c, k) for f in (np.sin, np.cos)], _ANY),
-        (
+        _JointLaw("joint_ripple", 2, lambda c, k: [f(q[:, k]) * _springs(c, k) for f in (np.sin, np.cos)]),
+        _JointLaw(
             "joint_double_ripple",
             2,
             lambda c, k: [f(2 * q[:, k]) * _springs(c, k) for f in (np.sin, np.cos)],
-            _ANY,
         ),
-        ("joint_one_sided_spring", 1, lambda c, k: [np.abs(_springs(c, k))], _ANY),
-        ("joint_square_law", 1, lambda c, k: [_springs(c, k) * _share(c, k)], 0.0),
-        ("joint_cubic_law", 1, lambda c, k: [_springs(c, k) * _share(c, k) ** 2], 0.0),
-        ("joint_dead_zone", 1, lambda c, k: [np.sign(c.torque[:, k]) * _full(c, k)], _ANY),
-        ("joint_direction_shift", 1, lambda c, k: [c.direction[:, k] * _full(c, k)], _ANY),
-        ("joint_ageing", 1, lambda c, k: [_springs(c, k) * late], _ANY),
-        ("joint_settling", 2, lambda c, k: [_springs(c, k) * part for part in early], _ANY),
-        ("joint_remembering", 2, lambda c, k: [_springs(c, k) * part for part in _remembered(c, k)], _ANY),
-        *((f"joint_sticking_{name}", 1, _sticking(part), 0.0) for name, part in _STICKING.items()),
-        ("joint_yielding", 1, lambda c, k: [_springs(c, k) * long], _ANY),
-        ("joint_creep", 1, lambda c, k: [late * _full(c, k)], _ANY),
-        ("joint_warming", 1, lambda c, k: [_springs(c, k) * warm], _ANY),
+        _JointLaw("joint_one_sided_spring", 1, lambda c, k: [np.abs(_springs(c, k))]),
+        _JointLaw("joint_square_law", 1, lambda c, k: [_springs(c, k) * _share(c, k)], 0.0),
+        _JointLaw("joint_cubic_law", 1, lambda c, k: [_springs(c, k) * _share(c, k) ** 2], 0.0),
+        _JointLaw("joint_dead_zone", 1, lambda c, k: [np.sign(c.torque[:, k]) * _full(c, k)]),
+        _JointLaw("joint_direction_shift", 1, lambda c, k: [c.direction[:, k] * _full(c, k)], kind=Pattern),
+        _JointLaw("joint_ageing", 1, lambda c, k: [_springs(c, k) * late]),
+        _JointLaw("joint_settling", 2, lambda c, k: [_springs(c, k) * part for part in early]),
+        _JointLaw("joint_remembering", 2, lambda c, k: [_springs(c, k) * part for part in _remembered(c, k)]),
+        *(_JointLaw(f"joint_sticking_{name}", 1, _sticking(part), 0.0) for name, part in _STICKING.items()),
+        _JointLaw("joint_yielding", 1, lambda c, k: [_springs(c, k) * long]),
+        _JointLaw("joint_creep", 1, lambda c, k: [late * _full(c, k)], kind=Pattern),
+        _JointLaw("joint_warming", 1, lambda c, k: [_springs(c, k) * warm]),
     )
 
 
-def _of_joint(k: int, laws: tuple[tuple[str, int, Law, float], ...]) -> list[Pattern]:
+def _of_joint(k: int, laws: tuple[_JointLaw, ...]) -> list[Pattern]:
     """Those of one joint, of the link behind it and of its bearing."""
     where, link = f"joint {k + 1}", f"link {k + 1}"
     return [
-        *(Pattern(name, where, size, _joint(k, law), lowest) for name, size, law, lowest in laws),
+        *(one.kind(one.name, where, one.size, _joint(k, one.law), one.lowest) for one in laws),
         Pattern("link_torsion", link, 1, _moved(torsion, link, _TWIST)),
         Pattern("bearing_shift", where, 1, _moved(yielding(-1), where, _YIELD)),
     ]
@@ -204,8 +211,8 @@ def _of_all(late: FloatArray, warm: FloatArray) -> list[Pattern]:
         Pattern("constant_shift", "tracker", 3, lambda c: _along_axes(c, np.ones(len(c)))),
         Pattern("time_trend", "tracker", 3, lambda c: _along_axes(c, late)),
         Pattern("temperature_trend", "tracker", 3, lambda c: _along_axes(c, warm)),
-        Pattern("springs_warming", "cell", 1, lambda c: (warm[:, None] * c.springs())[:, :, None]),
-        Pattern("springs_ageing", "cell", 1, lambda c: (late[:, None] * c.springs())[:, :, None]),
+        VaryingSpring("springs_warming", "cell", 1, lambda c: (warm[:, None] * c.springs())[:, :, None]),
+        VaryingSpring("springs_ageing", "cell", 1, lambda c: (late[:, None] * c.springs())[:, :, None]),
         Pattern("load_bias", "sensor", 3, _bias),
         Pattern("step_in_time", "tracker", 3, lambda c: _along_axes(c, np.sign(late))),
     ]

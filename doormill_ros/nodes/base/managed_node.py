@@ -137,7 +137,7 @@ class ManagedNode(ReportingNode):
 
         def fall_back(_: Any) -> None:
             if len(created) == 1 and topic.fallback is not None:
-                self.get_logger().info(f"{topic.name} is offered best effort only; pictures may get lost")
+                self.get_logger().info(f"{topic.name} is offered best effort only; messages may get lost")
                 create(topic.fallback)
 
         events = None

@@ -71,7 +71,9 @@ class CellDriver(Node):  # type: ignore[misc]  # rclpy has no types
             StageTimeoutError: The action is not served.
         """
         if not self._action.wait_for_server(START_LIMIT):
-            raise StageTimeoutError(f"the action mill_door was not there after {START_LIMIT:g} s")
+            raise StageTimeoutError(
+                f"the action mill_door was not there after {START_LIMIT:g} s; /diagnostics says what its node waits for"
+            )
 
     def mill(self, door_id: str, folder: RunFolder, progress: Callable[[str, float], None]) -> RunSummary:
         """Mill one door and sum up; see `Cell.mill`."""

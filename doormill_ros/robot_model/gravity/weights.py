@@ -11,6 +11,8 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.units import GRAVITY
 
+FLANGE = 6  #: the link that turns with the last joint
+
 
 @dataclass(frozen=True, eq=False)
 class Weight:

@@ -9,10 +9,12 @@ from doormill_ros.diagnosis.core.course import BEGINS
 from doormill_ros.diagnosis.parts.effects.case import CutCase
 from doormill_ros.diagnosis.parts.effects.effect import Unloaded
 from doormill_ros.robot_model.candidate import CauseParameter, number
+from doormill_ros.robot_model.elastic.places import LINKS
 from doormill_ros.units import UM
 
 #: Of the first link length and angle are a displaced base, of the last one a displaced tool.
-LINKS = tuple(f"link {k}" for k in range(2, 6))
+#: Links whose lengths doors may tell of: the first is a displaced base, the last one a displaced tool.
+INNER_LINKS = LINKS[1:5]
 _ANGLE = 1e-5  #: theta 1 of an angle [rad]
 
 

@@ -14,15 +14,15 @@ from doormill_ros.diagnosis.parts.effects.door import YieldingDoor
 from doormill_ros.diagnosis.parts.effects.effect import Effect
 from doormill_ros.diagnosis.parts.effects.elastic import ElasticEffect, Gap, MillBending
 from doormill_ros.diagnosis.parts.effects.force import ForceScale, ForceTurn
-from doormill_ros.diagnosis.parts.effects.geometry import LINKS, LinkOffsets
+from doormill_ros.diagnosis.parts.effects.geometry import INNER_LINKS, LinkOffsets
 from doormill_ros.diagnosis.parts.effects.hardening import Hardening
 from doormill_ros.diagnosis.parts.effects.lag import PathLag, ServoLag
 from doormill_ros.diagnosis.parts.effects.shift import ArmWarming, Place, Tilt, Warming, shifts
 from doormill_ros.diagnosis.parts.effects.weight import weights
 from doormill_ros.robot_model.elastic.causes.base_compliance import BaseCompliance
-from doormill_ros.robot_model.elastic.causes.cause import JOINTS
 from doormill_ros.robot_model.elastic.causes.joint_stiffness import JointStiffness
 from doormill_ros.robot_model.elastic.causes.tool_compliance import ToolCompliance
+from doormill_ros.robot_model.elastic.places import JOINTS
 
 #: Torques from which a gap is tried as open [N m]: what one between neighbours leaves passes for no other cause.
 CROSSINGS = (0.0, 2.0, 5.0, 10.0, 20.0)
@@ -77,7 +77,7 @@ def effects(
         ElasticEffect(BaseCompliance("base")),
         PathLag(),
         *(ServoLag(lag) for lag in LAGS),
-        *(LinkOffsets(where) for where in (LINKS if places >= PLACES_OF_LINKS else ())),
+        *(LinkOffsets(where) for where in (INNER_LINKS if places >= PLACES_OF_LINKS else ())),
         Tilt(),
         YieldingDoor(),
         Place(),

@@ -9,10 +9,9 @@ from doormill_ros.diagnosis.core.course import BEGINS, CHANGES
 from doormill_ros.diagnosis.parts.effects.case import TOOL, CutCase
 from doormill_ros.diagnosis.parts.effects.effect import Effect
 from doormill_ros.robot_model.candidate import CauseParameter, number
+from doormill_ros.robot_model.elastic.places import LINKS
+from doormill_ros.robot_model.gravity.weights import FLANGE
 from doormill_ros.units import GRAVITY
-
-LINKS = tuple(f"link {k}" for k in range(2, 7))
-_FLANGE = 6
 
 
 class _Weight(Effect):
@@ -56,9 +55,9 @@ class ToolWeight(_Weight):
         self.limit([5.0, 1.0])
 
     def _torques(self, case: CutCase) -> FloatArray:
-        flange, axis = case.load.origin[:, _FLANGE], case.load.axes[:, _FLANGE, :, 2]
-        at_flange = _of_kilogram(case, flange, _FLANGE)
-        return np.stack([at_flange, _of_kilogram(case, flange + axis, _FLANGE) - at_flange], axis=2)
+        flange, axis = case.load.origin[:, FLANGE], case.load.axes[:, FLANGE, :, 2]
+        at_flange = _of_kilogram(case, flange, FLANGE)
+        return np.stack([at_flange, _of_kilogram(case, flange + axis, FLANGE) - at_flange], axis=2)
 
     def values(self, theta: FloatArray, case: CutCase) -> FloatArray:
         """Mass and centre."""
@@ -95,4 +94,4 @@ def _of_kilogram(case: CutCase, centre: FloatArray, link: int) -> FloatArray:
 
 def weights() -> list[Effect]:
     """At the tool and at every link that moves it down."""
-    return [ToolWeight(), *map(LinkWeight, LINKS)]
+    return [ToolWeight(), *map(LinkWeight, LINKS[1:])]

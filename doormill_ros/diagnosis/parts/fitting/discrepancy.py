@@ -24,7 +24,7 @@ from doormill_ros.diagnosis.parts.effects.geometry import LinkOffsets
 from doormill_ros.diagnosis.parts.fitting.course import InTime
 from doormill_ros.diagnosis.parts.fitting.moved import by_load
 from doormill_ros.frames import inverse
-from doormill_ros.robot_model.elastic.causes.cause import JOINTS
+from doormill_ros.robot_model.elastic.places import JOINTS
 from doormill_ros.statistics import root_mean_square
 
 _SAME = 1e-3  #: points of a recipe's surface nearer than this are one [m]

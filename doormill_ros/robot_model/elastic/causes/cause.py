@@ -10,9 +10,8 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.candidate import Candidate, number
 from doormill_ros.robot_model.elastic.load_case import LoadCase
+from doormill_ros.robot_model.elastic.places import JOINTS
 
-JOINTS = tuple(f"joint {k}" for k in range(1, 7))
-LINKS = tuple(f"link {k}" for k in range(1, 7))
 #: What drives a cause.
 CONSTANT, OWN_TORQUE, DIRECTION, WRENCH, TIME = (
     "constant",

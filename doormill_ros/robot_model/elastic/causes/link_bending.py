@@ -7,8 +7,9 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import cross
 from doormill_ros.robot_model.candidate import CauseParameter
-from doormill_ros.robot_model.elastic.causes.cause import LINKS, WRENCH, LinearTwist, index
+from doormill_ros.robot_model.elastic.causes.cause import WRENCH, LinearTwist, index
 from doormill_ros.robot_model.elastic.load_case import LoadCase
+from doormill_ros.robot_model.elastic.places import LINKS
 
 _SCALE = 1e-6  #: theta 1 is an EI of a million N m^2
 

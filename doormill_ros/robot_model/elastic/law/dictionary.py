@@ -13,10 +13,9 @@ from doormill_ros.robot_model.elastic.law.edges import ROUGH
 from doormill_ros.robot_model.elastic.law.memory import tried
 from doormill_ros.robot_model.elastic.law.term import LawTerm
 from doormill_ros.robot_model.elastic.load_case import LoadCase
+from doormill_ros.robot_model.elastic.places import JOINTS, LINKS
 from doormill_ros.robot_model.law.entries import SECTORS, Entry, terms
 
-JOINTS = tuple(f"joint {k}" for k in range(1, 7))
-LINKS = tuple(f"link {k}" for k in range(1, 7))
 WAVES = 30  #: a turn, at most
 _NO_LENGTH, _NO_ANGLE = 1e-9, 1e-6  #: of a link [m], and between it and an axis [rad]
 OTHER_WAVES = 4  #: the same of another joint's angle: that is no gear
