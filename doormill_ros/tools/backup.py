@@ -10,7 +10,7 @@ from doormill_ros.backup.restore import take_back
 from doormill_ros.backup.site import alone, make_backup
 from doormill_ros.errors import DoormillError
 from doormill_ros.interrupts import interruptible
-from doormill_ros.tools.command_line import OneLineParser
+from doormill_ros.tools.one_line_parser import OneLineParser
 from doormill_ros.tools.site_options import add_site, chosen_site
 
 

@@ -30,6 +30,7 @@ from doormill_ros.tools.calibration.doors import Shutter, check, extrinsics
 from doormill_ros.tools.calibration.empty import COUNT, empty
 from doormill_ros.tools.calibration.exchange import from_ros, put_back, to_ros
 from doormill_ros.tools.command_line import written_over
+from doormill_ros.tools.one_line_parser import OneLineParser
 from doormill_ros.units import m_to_mm
 
 MOST_RADIAL = 1e6  # what was ever printed of a lens is far below
@@ -170,7 +171,7 @@ def _lens(arguments: argparse.Namespace) -> list[str]:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="calibrate", description=__doc__)
+    parser = OneLineParser(prog="calibrate", description=__doc__)
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
     boards = commands.add_parser("intrinsics", help="camera matrix and distortion from chessboard pictures")

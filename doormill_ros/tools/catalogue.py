@@ -19,7 +19,8 @@ from doormill_ros.cell.inspection import outcome
 from doormill_ros.errors import DoormillError
 from doormill_ros.interrupts import interruptible
 from doormill_ros.recipes.store.engine import check_file
-from doormill_ros.tools.command_line import OneLineParser, add_database, in_a_column, plain_text
+from doormill_ros.tools.command_line import add_database, in_a_column, plain_text
+from doormill_ros.tools.one_line_parser import OneLineParser
 from doormill_ros.units import bytes_to_gigabytes, m_to_mm, ns_to_s, s_to_ns
 
 FAILED, PARTLY = 2, 1

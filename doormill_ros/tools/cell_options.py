@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import argparse
-import re
 from pathlib import Path
 
 from doormill_ros.enumeration import enumerated
 from doormill_ros.simulation.sensors.registry import SIMULATED_SENSORS
+from doormill_ros.tools.one_line_parser import OneLineParser, namespace
 
 DESCRIPTION = (
     "Run the whole cell in one process on simulated hardware and mill one door, or a shift of doors."
 )
-NAMESPACE = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+")
 
 
 def parse(arguments: list[str] | None) -> argparse.Namespace:
@@ -32,7 +31,7 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="cell", description=DESCRIPTION)
+    parser = OneLineParser(prog="cell", description=DESCRIPTION)
     parser.add_argument(
         "--door",
         action="append",
@@ -71,7 +70,11 @@ def _parser() -> argparse.ArgumentParser:
         help="2: one on either side of the door, each mills its share, see docs/two-robots.md",
     )
     parser.add_argument(
-        "--namespace", default="", metavar="NS", help="ROS namespace, for example /cell1, beside another cell"
+        "--namespace",
+        type=namespace,
+        default="",
+        metavar="NS",
+        help="ROS namespace, for example /cell1, beside another cell",
     )
     parser.add_argument("--robot-model", metavar="YAML", help="model.yaml of a diagnosis for the correction")
     parser.add_argument(
@@ -128,10 +131,6 @@ def _check(parser: argparse.ArgumentParser, options: argparse.Namespace) -> None
     _check_sensors(parser, options.sensor)
     if options.robots > 1 and options.doors is not None:
         parser.error("--robots 2 mills one door: leave out --doors, --world and --monitor")
-    if options.namespace and not NAMESPACE.fullmatch(options.namespace):
-        parser.error(
-            f"--namespace is {options.namespace!r}, allowed are slashes with names of letters, digits and _: /cell1"
-        )
 
 
 def _check_sensors(parser: argparse.ArgumentParser, sensors: list[str]) -> None:

@@ -8,20 +8,11 @@ import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import NoReturn
 
 from rich.console import Console
 from rich.progress import Progress
 
 from doormill_ros.files import is_same
-
-
-class OneLineParser(argparse.ArgumentParser):
-    """Complains of a wrong command line in one line and with status 2."""
-
-    def error(self, message: str) -> NoReturn:
-        """Leave with the complaint."""
-        self.exit(2, f"{self.prog}: {message}\n")
 
 
 def add_database(parser: argparse.ArgumentParser, variable: str) -> None:

@@ -3,35 +3,25 @@
 from __future__ import annotations
 
 import argparse
-import re
 import sys
 
 from doormill_ros.interrupts import interruptible
-from doormill_ros.tools.command_line import OneLineParser
+from doormill_ros.tools.one_line_parser import OneLineParser, namespace
 
 READY, NOT_READY = 0, 1
-_NAMESPACE = re.compile(r"/?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*/?")
 
 
 def parser() -> argparse.ArgumentParser:
     """The command line."""
     top = OneLineParser(prog="health", description=__doc__)
     top.add_argument(
-        "--namespace", type=_namespace, default="", metavar="NS", help="of the cell, for example /cell1"
+        "--namespace", type=namespace, default="", metavar="NS", help="of the cell, for example /cell1"
     )
     top.add_argument(
         "--wait", type=_seconds, default=5.0, metavar="S", help="longest wait until it is ready; default is 5"
     )
     top.add_argument("--robots", type=int, choices=(1, 2), default=1, help="2: two of them at one door")
     return top
-
-
-def _namespace(text: str) -> str:
-    if text.strip("/") and not _NAMESPACE.fullmatch(text):
-        raise argparse.ArgumentTypeError(
-            f"found {text!r}, allowed are slashes with names of letters, digits and _: /cell1"
-        )
-    return text
 
 
 def _seconds(text: str) -> float:

@@ -21,7 +21,7 @@ from doormill_ros.errors import DoormillError
 from doormill_ros.identification.milling_log import ProcessForces, process_forces_of
 from doormill_ros.identification.outcome import Outcome, add_preload, outcome_of_loadings
 from doormill_ros.interrupts import interruptible
-from doormill_ros.tools.command_line import OneLineParser
+from doormill_ros.tools.one_line_parser import OneLineParser
 
 
 def parser() -> argparse.ArgumentParser:

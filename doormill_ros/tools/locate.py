@@ -40,7 +40,8 @@ from doormill_ros.localization.settings import load_settings
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.recipes.door import DoorSize
 from doormill_ros.resources import resource
-from doormill_ros.tools.command_line import OneLineParser, written_over
+from doormill_ros.tools.command_line import written_over
+from doormill_ros.tools.one_line_parser import OneLineParser
 from doormill_ros.units import m_to_mm, mm_to_m, rad_to_deg
 
 SCHEMA = "doormill/located-doors/1"

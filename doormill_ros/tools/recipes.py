@@ -15,12 +15,13 @@ from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.recipes.store.database import RecipeDatabase, RecipeRecord
 from doormill_ros.recipes.store.engine import ENVIRONMENT, check_file
 from doormill_ros.tools.command_line import add_database, user_name
+from doormill_ros.tools.one_line_parser import OneLineParser
 from doormill_ros.tools.tool_table import add_tools_command, tools_command
 
 
 def parser() -> argparse.ArgumentParser:
     """The command line."""
-    top = argparse.ArgumentParser(prog="recipes", description=__doc__)
+    top = OneLineParser(prog="recipes", description=__doc__)
     add_database(top, ENVIRONMENT)
     commands = top.add_subparsers(dest="command", required=True)
     command = commands.add_parser("import", help="store the recipes of a file that are new or changed")

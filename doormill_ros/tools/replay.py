@@ -12,6 +12,7 @@ from doormill_ros.interrupts import interruptible
 from doormill_ros.recording.accepted import accept_bag, accepted_bags
 from doormill_ros.recording.errors import AcceptedBagError
 from doormill_ros.tools.command_line import counted, in_a_column
+from doormill_ros.tools.one_line_parser import OneLineParser
 
 EQUAL, DIFFERENT, UNREADABLE = 0, 1, 2
 WORDS = EQUAL_WORD, UNCOMPARED_WORD, DIFFERENT_WORD, UNREADABLE_WORD = (
@@ -31,7 +32,7 @@ def _rate(text: str) -> float:
 
 def parse(arguments: list[str] | None) -> argparse.Namespace:
     """Read the command line."""
-    parser = argparse.ArgumentParser(prog="replay", description=__doc__)
+    parser = OneLineParser(prog="replay", description=__doc__)
     parser.add_argument(
         "bags",
         metavar="BAG",

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
 from pathlib import Path
 
 from doormill_ros.errors import DoormillError
 from doormill_ros.interrupts import interruptible
+from doormill_ros.tools.one_line_parser import OneLineParser
 
 
 @interruptible
 def main(arguments: list[str] | None = None) -> int:
     """Write the page; 2 when the bag cannot be read or the page not written."""
-    parser = argparse.ArgumentParser(prog="report", description=__doc__)
+    parser = OneLineParser(prog="report", description=__doc__)
     parser.add_argument("bag", type=Path, help="bag folder of a run")
     parser.add_argument("--out", type=Path, help="page to write; default: report.html beside the bag")
     options = parser.parse_args(arguments)

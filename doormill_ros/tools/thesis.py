@@ -15,6 +15,7 @@ from pathlib import Path
 
 from doormill_ros.errors import DoormillError
 from doormill_ros.interrupts import interruptible
+from doormill_ros.tools.one_line_parser import OneLineParser
 
 
 def identify(out: Path) -> list[str]:
@@ -47,7 +48,7 @@ def contradictions() -> list[str]:
 @interruptible
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the tool; 2 when a file cannot be read or written."""
-    parser = argparse.ArgumentParser(
+    parser = OneLineParser(
         prog="thesis", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     commands = parser.add_subparsers(dest="command", required=True)

@@ -20,6 +20,7 @@ from doormill_ros.interrupts import interruptible
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.robot.description import Robot, load_robot
 from doormill_ros.toolpath.settings import load_settings
+from doormill_ros.tools.one_line_parser import OneLineParser
 from doormill_ros.units import MM, deg_to_rad, m_to_mm, n_per_m_to_n_per_um, rad_to_deg
 from doormill_ros.workspace.advice import (
     PlannedDoors,
@@ -96,7 +97,7 @@ def _refusal(error: Exception, out: Path) -> str:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="workspace", description=__doc__)
+    parser = OneLineParser(prog="workspace", description=__doc__)
     parser.add_argument("--out", type=Path, default=Path("out/workspace"), help="folder to write to")
     parser.add_argument(
         "--robot", default=THESIS_ROBOT, help="name in config/robots, or a folder of one's own"

@@ -220,9 +220,7 @@ class Handshake:
                 self._enter(State.DONE, reason, 0)
         context = f" (before: {before.reason})" if before.error_code else ""
         self._drop_submission(
-            link_errors.StaleSubmissionError(
-                "the file was made for an earlier request; take a new picture of the door"
-            )
+            link_errors.StaleSubmissionError("made for an earlier request; take a new picture")
         )
         # Its mark is read before anybody is told of the request: a picture is then never older than the mark.
         self._request.begin()
