@@ -12,6 +12,7 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.files import write_atomically
 from doormill_ros.measurements.inspection import CAMERA, COLUMNS, DESCRIPTION, TABLE
 from doormill_ros.measurements.schemas import INSPECTION
+from doormill_ros.yaml_text import text_of
 
 
 class MeasuredPoints(Protocol):
@@ -78,7 +79,8 @@ def write_inspection(
         "run_id": run_id,
         "bag": os.path.relpath(bag, folder),
         "measured_at": f"{measured_at.astimezone(UTC):%Y-%m-%dT%H:%M:%SZ}",
-        "noise": f"{noise:.1e}",
+        # Every digit, so that what is kept of a gauge is not another one's; with the point that YAML wants.
+        "noise": text_of({"noise": float(noise)}).removeprefix("noise:").strip(),
         "datum": datum,
     }
     write_atomically(folder / DESCRIPTION, "".join(f"{key}: {value}\n" for key, value in lines.items()))
