@@ -57,12 +57,11 @@ class Outcome:
             OSError: One cannot be written; an earlier identification stays.
         """
         document, robot, urdf = out / JSON_NAME, out / ROBOT_NAME, out / self.robot.urdf.name
-        contents: dict[Path, bytes | str] = {
-            robot: _robot_yaml(self),
-            document: json.dumps(self._json(), indent=2, allow_nan=False) + "\n",
-        }
+        contents: dict[Path, bytes | str] = {}
         if not is_same(urdf, self.robot.urdf):
-            contents = {urdf: self.robot.urdf.read_bytes()} | contents
+            contents[urdf] = self.robot.urdf.read_bytes()
+        contents[robot] = _robot_yaml(self)
+        contents[document] = json.dumps(self._json(), indent=2, allow_nan=False) + "\n"
         out.mkdir(parents=True, exist_ok=True)
         write_together(contents)
         return [document, robot, urdf]
