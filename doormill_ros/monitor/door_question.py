@@ -8,10 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from doormill_ros.diagnosis.kinds import SPRINGS
 from doormill_ros.measurements.inspection import DESCRIPTION, TABLE
 from doormill_ros.monitor.question import DiagnosisQuestion
-
-SPRINGS = "springs"  #: what the tool calls the robot's own springs
 
 
 @dataclass(frozen=True)
