@@ -8,6 +8,7 @@ import errno
 import os
 import secrets
 import stat
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
 
@@ -144,18 +145,8 @@ def write_atomically(
         OSError: The file cannot be written or renamed.
         ReadBackError: It reads back differently.
     """
-    path = Path(path)
-    if not path.name:
-        raise IsADirectoryError(errno.EISDIR, "a folder, allowed is the name of a file", str(path))
-    if path.is_symlink():
-        path = Path(os.path.realpath(path))
-    data = content.encode("utf-8") if isinstance(content, str) else content
-    # A hidden name that no reader asks for; random, so that two writers never share one.
-    beside = path.with_name(f".{path.name}.{secrets.token_hex(6)}{suffix}")
-    try:
-        beside.write_bytes(data)
-        with contextlib.suppress(OSError):  # there is none, or the medium has no modes
-            beside.chmod(stat.S_IMODE(path.stat().st_mode))
+    data = _bytes_of(content)
+    with _written_beside(Path(path), data, suffix) as (beside, path):
         if durable:
             _flush(beside)
         if verify:
@@ -167,9 +158,56 @@ def write_atomically(
                 _flush(path.parent)
         if verify:
             _compare(path, data)
+
+
+def write_together(contents: Mapping[Path, bytes | str], gone: Iterable[Path] = ()) -> None:
+    """Replace files that belong together: all are written beside theirs before the first of them is renamed.
+
+    A disk that is full leaves what was there. Who must not take old and new files for one looks at the last one,
+    which is renamed last: what ends the process between two renames leaves it as it was.
+
+    Args:
+        contents: The whole new content by file, in the order in which they are renamed; as of `write_atomically`.
+        gone: Files that must not be there beside the new ones; removed where they are, before the first rename.
+
+    Raises:
+        OSError: One cannot be written or renamed.
+    """
+    with contextlib.ExitStack() as written:
+        pairs = [
+            written.enter_context(_written_beside(path, _bytes_of(content), ".part"))
+            for path, content in contents.items()
+        ]
+        for _, path in pairs:
+            if path.is_dir():  # found out before the first rename
+                raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+        for path in gone:
+            path.unlink(missing_ok=True)
+        for beside, path in pairs:
+            os.replace(beside, path)
+
+
+@contextlib.contextmanager
+def _written_beside(path: Path, data: bytes, suffix: str) -> Iterator[tuple[Path, Path]]:
+    """A new file with its content beside `path`, and what `path` leads to; the new one is gone afterwards."""
+    if not path.name:
+        raise IsADirectoryError(errno.EISDIR, "a folder, allowed is the name of a file", str(path))
+    if path.is_symlink():
+        path = Path(os.path.realpath(path))
+    # A hidden name that no reader asks for; random, so that two writers never share one.
+    beside = path.with_name(f".{path.name}.{secrets.token_hex(6)}{suffix}")
+    try:
+        beside.write_bytes(data)
+        with contextlib.suppress(OSError):  # there is none, or the medium has no modes
+            beside.chmod(stat.S_IMODE(path.stat().st_mode))
+        yield beside, path
     finally:
         with contextlib.suppress(OSError):
             beside.unlink(missing_ok=True)
+
+
+def _bytes_of(content: bytes | str) -> bytes:
+    return content.encode("utf-8") if isinstance(content, str) else content
 
 
 def _compare(path: Path, data: bytes) -> None:

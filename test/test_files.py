@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from doormill_ros.files import ReadBackError, is_same, write_atomically
+from doormill_ros.files import ReadBackError, is_same, write_atomically, write_together
+from support.full_disk import room_for
 
 
 def test_text_and_bytes_replace_what_was_there(tmp_path: Path) -> None:
@@ -78,3 +79,19 @@ def test_a_file_cut_short_is_noticed_before_the_rename(
         write_atomically(path, "1234", verify=True)
     assert (caught.value.size, caught.value.found, caught.value.position) == (4, 2, 2)
     assert not path.exists()
+
+
+def test_of_files_that_belong_together_all_are_written_before_one_is_replaced(tmp_path: Path) -> None:
+    first, second, gone = (tmp_path / name for name in ("a", "b", "c"))
+    for path in (first, gone):
+        path.write_text("old")
+    with room_for(10), pytest.raises(OSError, match="too large"):
+        write_together({first: "new", second: "longer than that"}, gone=[gone])
+    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == {"a": "old", "c": "old"}
+    second.mkdir()
+    with pytest.raises(IsADirectoryError):
+        write_together({first: "new", second: "new"}, gone=[gone])
+    assert (first.read_text(), gone.read_text(), len(list(tmp_path.iterdir()))) == ("old", "old", 3)
+    second.rmdir()
+    write_together({first: "new", second: b"new"}, gone=[gone])
+    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == {"a": "new", "b": "new"}

@@ -9,6 +9,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from doormill_ros.cell.gauged import DESCRIPTION, is_gauged, noted
 from doormill_ros.cell.schemas import RUN, SHIFT
 from doormill_ros.yaml_text import parse
 
@@ -21,8 +22,6 @@ _WRITTEN = {
 }
 _DIAGNOSIS = re.compile(r"(diagnosis\.json|model\.yaml|report\.html)(\.part)?")
 _FILES = ("report.html", "summary.json", "parameters.yaml")
-#: How the gauge of the simulated cell describes what it measured; nobody else has its noise and its datum.
-_GAUGED = ("noise: 1.0e-05", "datum: camera")
 
 
 def is_run(root: Path) -> bool:
@@ -79,20 +78,20 @@ def strangers_in_diagnosis(folder: Path) -> Iterator[Path]:
     return (path for path in _files(folder) if not _is_like(path, folder, _DIAGNOSIS))
 
 
-def handed_in(folder: Path) -> Iterator[Path]:
-    """Descriptions of inspections below a folder that somebody measured: not the gauge of the simulated cell."""
-    for path in sorted(folder.rglob("inspection.yaml")):
-        try:
-            lines = path.read_text(encoding="utf-8").splitlines()
-        except (OSError, ValueError):
-            lines = []
-        if not set(_GAUGED) <= set(lines):
-            yield path
+def handed_in(folder: Path, controller: Path) -> Iterator[Path]:
+    """Descriptions of inspections below a folder that somebody may have measured.
+
+    Args:
+        folder: To look in.
+        controller: Where the simulated cell noted what its own gauge measured, see `note_gauged`.
+    """
+    known = noted(controller)
+    return (path for path in sorted(folder.rglob(DESCRIPTION)) if not is_gauged(path.parent, known))
 
 
 def inspected(root: Path) -> bool:
     """Whether a folder of a door holds an inspection."""
-    return (root / "inspection" / "inspection.yaml").is_file()
+    return (root / "inspection" / DESCRIPTION).is_file()
 
 
 def _files(folder: Path) -> Iterator[Path]:

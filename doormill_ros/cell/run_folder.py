@@ -104,12 +104,13 @@ class RunFolder:
         # Only for the doors of a shift something is measured there by the cell itself.
         if self.shift is None and earlier_run.inspected(self.root):
             _refuse_measured(self.root, self.inspection)
-        _refuse_handed_in(self.root, (self.inspection, *self._shared()))
+        _refuse_handed_in(self, (self.inspection, *self._shared()))
 
     def _shared(self) -> tuple[Path, ...]:
         """What a shift has for all of its runs, and a run by itself for its own."""
         # What is kept of inspections names bags that go; models stay.
-        return () if self.shift else (self.controller.parent, self.inspections)
+        # The controller's disk last: by it what its own gauge measured is known.
+        return () if self.shift else (self.inspections, self.controller.parent)
 
     def _prepare(self) -> None:
         for path in (self.bag, self.targets, self.inspection, *self._shared()):
@@ -175,12 +176,12 @@ class ShiftFolder:
         ran = earlier_run.is_shift(self.root)
         _refuse_strangers(self.root, earlier_run.strangers_in(self._kept(), ran))
         _refuse_strangers(self.root, (file for file in self._files() if file.exists() and not ran))
-        _refuse_handed_in(self.root, (alone.inspections,))
+        _refuse_handed_in(alone, (alone.inspections,))
         for path in self._diagnoses():
             _refuse_strangers(self.root, earlier_run.strangers_in_diagnosis(path))
 
     def _kept(self) -> tuple[Path, ...]:
-        return self.controller.parent, self.run(0).inspections
+        return self.run(0).inspections, self.controller.parent
 
     def _files(self) -> tuple[Path, ...]:
         return self.summary, RunFolder(self.root).parameters
@@ -205,14 +206,18 @@ def _refuse_strangers(root: Path, strangers: Iterator[Path]) -> None:
         _refuse(root, f"holds {stranger}, which no run of the cell has left there")
 
 
-def _refuse_handed_in(root: Path, folders: tuple[Path, ...]) -> None:
+def _refuse_handed_in(run: RunFolder, folders: tuple[Path, ...]) -> None:
     for folder in folders:
-        for path in earlier_run.handed_in(folder):
-            _refuse_measured(root, path)
+        for path in earlier_run.handed_in(folder, run.controller.parent):
+            _refuse_measured(run.root, path)
 
 
 def _refuse_measured(root: Path, path: Path) -> NoReturn:
-    _refuse(root, f"holds an inspection that somebody measured, {path}, and a new run would remove it")
+    _refuse(
+        root,
+        f"holds an inspection that somebody measured (the simulated gauge has not noted it as its own), {path}, and "
+        "a new run would remove it",
+    )
 
 
 def _refuse(root: Path, why: str) -> NoReturn:

@@ -12,11 +12,12 @@ What a kind needs is imported when it is made, and not to list it: all together 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from doormill_ros.diagnosis.listed_kind import FurtherOption, ListedKind
+from doormill_ros.diagnosis.runs.limits import MOST
 from doormill_ros.measurements.errors import SetMixError
 from doormill_ros.measurements.schemas import INSPECTION, MEASUREMENT_SET, MOTION_SET, PICTURE_SET, POSE_SET
 from doormill_ros.measurements.set_document import SetDocument
@@ -25,26 +26,17 @@ if TYPE_CHECKING:
     from doormill_ros.diagnosis.core.kind import Kind
 
 
-@dataclass(frozen=True)
-class ListedKind:
-    """What is known of a kind of data before it is made.
-
-    Attributes:
-        schema: Of set.yaml; `--data` takes folders with it.
-        make: Imports and makes it; what a kind can be told goes in.
-        option: Of the command line, without dashes, where the kind has one of its own; else empty.
-        help: What that option takes.
-    """
-
-    schema: str
-    make: Callable[..., Kind[Any, Any]]
-    option: str = ""
-    help: str = ""
+SPRINGS = "springs"  #: for --in-use: no model.yaml, the robot's own springs
 
 
 def late_class(module: str, name: str) -> Callable[..., Kind[Any, Any]]:
     """What makes a kind by the full name of its module, imported then, and the name of its class there."""
-    return lambda *told: getattr(import_module(module), name)(*told)
+    return lambda **told: getattr(import_module(module), name)(**told)
+
+
+def _model(text: str) -> str:
+    """As `Inspections` takes it."""
+    return "" if text == SPRINGS else text
 
 
 #: Every kind; `diagnose` takes its options from them.
@@ -63,12 +55,30 @@ KINDS = (
         late_class("doormill_ros.diagnosis.parts.kind", "Inspections"),
         "inspections",
         "one or many inspected doors",
+        (
+            FurtherOption(
+                "in_use",
+                "MODEL",
+                f"model.yaml that the next door is corrected with, to tell what it leaves; {SPRINGS}: none",
+                _model,
+            ),
+        ),
     ),
     ListedKind(
         "doormill/bags",
         late_class("doormill_ros.diagnosis.runs.kind", "Runs"),
         "runs",
         "bags of a series of runs, without a gauge",
+        (
+            FurtherOption(
+                "last",
+                "N",
+                "the last runs only; bags that cannot be read are left aside and named",
+                int,
+                range(2, MOST + 1),
+            ),
+            FurtherOption("since", "RUN", "the first run that counts"),
+        ),
     ),
 )
 

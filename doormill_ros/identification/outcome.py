@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import shutil
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,6 +13,7 @@ import numpy as np
 import yaml
 
 from doormill_ros.arrays import FloatArray, IntArray
+from doormill_ros.files import is_same, write_together
 from doormill_ros.identification.joint_by_joint import JointStep
 from doormill_ros.identification.weighted import StiffnessFit
 from doormill_ros.robot.chain import JOINTS
@@ -48,20 +48,23 @@ class Outcome:
     document: dict[str, Any] = field(default_factory=dict)
 
     def write(self, out: Path) -> list[Path]:
-        """Write identification.json, and robot.yaml with its URDF, which `load_robot` takes.
+        """Write identification.json, and robot.yaml with its URDF, which `load_robot` takes; together or not at all.
 
         Returns:
             The files.
+
+        Raises:
+            OSError: One cannot be written; an earlier identification stays.
         """
-        texts = {JSON_NAME: json.dumps(self._json(), indent=2, allow_nan=False) + "\n"}
-        texts[ROBOT_NAME] = _robot_yaml(self)
+        document, robot, urdf = out / JSON_NAME, out / ROBOT_NAME, out / self.robot.urdf.name
+        contents: dict[Path, bytes | str] = {}
+        if not is_same(urdf, self.robot.urdf):
+            contents[urdf] = self.robot.urdf.read_bytes()
+        contents[robot] = _robot_yaml(self)
+        contents[document] = json.dumps(self._json(), indent=2, allow_nan=False) + "\n"
         out.mkdir(parents=True, exist_ok=True)
-        for name, text in texts.items():
-            (out / name).write_text(text, encoding="utf-8")
-        urdf = out / self.robot.urdf.name
-        if not (urdf.exists() and urdf.samefile(self.robot.urdf)):
-            shutil.copyfile(self.robot.urdf, urdf)
-        return [out / JSON_NAME, out / ROBOT_NAME, urdf]
+        write_together(contents)
+        return [document, robot, urdf]
 
     def _json(self) -> dict[str, Any]:
         return {

@@ -13,6 +13,7 @@ from doormill_ros.cell.inspection_files import DESCRIPTION, TABLE
 from doormill_ros.files import write_atomically
 from doormill_ros.measurements.inspection import CAMERA, COLUMNS
 from doormill_ros.measurements.schemas import INSPECTION
+from doormill_ros.yaml_text import text_of
 
 
 class MeasuredPoints(Protocol):
@@ -58,28 +59,52 @@ def write_inspection(
     Args:
         folder: Made when it is missing.
         bag: Of the run.
-        run_id: The run that milled the door.
+        run_id: As of `inspection_texts`, and likewise what follows.
         measured_at: With its zone.
         noise: Standard deviation of one deviation [m].
         points: What was measured.
-        datum: What it was measured against; by default where the recorded pose put the door.
+        datum: What it was measured against.
 
     Raises:
         OSError: A file cannot be written.
     """
     folder.mkdir(parents=True, exist_ok=True)
+    beside = os.path.relpath(bag, folder)
+    description, table = inspection_texts(beside, run_id, measured_at, noise, points, datum)
+    write_atomically(folder / TABLE, table)
+    write_atomically(folder / DESCRIPTION, description)
+
+
+def inspection_texts(
+    bag: str,
+    run_id: str,
+    measured_at: datetime,
+    noise: float,
+    points: MeasuredPoints,
+    datum: str = CAMERA,
+) -> tuple[str, str]:
+    """Contents of inspection.yaml and points.csv.
+
+    Args:
+        bag: Of the run, relative to the inspection's folder.
+        run_id: The run that milled the door.
+        measured_at: With its zone.
+        noise: Standard deviation of one deviation [m].
+        points: What was measured.
+        datum: What it was measured against; by default where the recorded pose put the door.
+    """
     rows = [",".join(COLUMNS)]
     for feature, surface, point, normal, deviation in zip(
         points.feature, points.surface, points.point, points.normal, points.deviation, strict=True
     ):
         rows.append(",".join([feature, surface, *(f"{value:.9f}" for value in (*point, *normal, deviation))]))
-    write_atomically(folder / TABLE, "\n".join(rows) + "\n")
     lines = {
         "schema": INSPECTION,
         "run_id": run_id,
-        "bag": os.path.relpath(bag, folder),
+        "bag": bag,
         "measured_at": f"{measured_at.astimezone(UTC):%Y-%m-%dT%H:%M:%SZ}",
-        "noise": f"{noise:.1e}",
+        # Every digit, so that what is kept of a gauge is not another one's; with the point that YAML wants.
+        "noise": text_of({"noise": float(noise)}).removeprefix("noise:").strip(),
         "datum": datum,
     }
-    write_atomically(folder / DESCRIPTION, "".join(f"{key}: {value}\n" for key, value in lines.items()))
+    return "".join(f"{key}: {value}\n" for key, value in lines.items()), "\n".join(rows) + "\n"

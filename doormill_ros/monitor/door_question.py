@@ -9,9 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from doormill_ros.cell.inspection_files import DESCRIPTION, TABLE
+from doormill_ros.diagnosis.kinds import SPRINGS
 from doormill_ros.monitor.question import DiagnosisQuestion
-
-SPRINGS = "springs"  #: what the tool calls the robot's own springs
 
 
 @dataclass(frozen=True)

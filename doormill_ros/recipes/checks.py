@@ -55,8 +55,14 @@ def check_geometry(size: DoorSize, mass: float, features: Sequence[Feature]) -> 
     prisms = {feature.id: prism(feature, size) for feature in features}
     for index, feature in enumerate(features):
         if feature.belongs_to is not None:
-            _check_reference(features, feature, feature.belongs_to, prisms, f"features.{index}.lock_case")
+            where = _field(f"features.{index}", feature.case_key)
+            _check_reference(features, feature, feature.belongs_to, prisms, where)
     _check_walls(features, prisms)
+
+
+def _field(path: str, key: str) -> str:
+    """A field of a feature, or the feature where none is to blame."""
+    return f"{path}.{key}" if key else path
 
 
 def _check_forces(feature: Feature, path: str) -> None:
@@ -99,7 +105,7 @@ def _check_outline(feature: Feature, path: str) -> None:
     largest = min(shape.width, shape.length) / 2.0
     if shape.radius > largest + ROUNDING:
         raise OutOfRange(
-            f"{path}.corner_radius_mm",
+            _field(path, feature.radius_key),
             f"found {m_to_mm(shape.radius):g} mm, allowed is at most {m_to_mm(largest):g} mm, half the "
             "shorter side of the outline",
             found=shape.radius,
@@ -173,10 +179,9 @@ def _check_speeds(feature: Feature, path: str) -> None:
 def _check_wood(size: DoorSize, feature: Feature, path: str) -> None:
     """The outline stays inside its surface, the floor inside the wood."""
     shape = feature.shape
-    across_key = "offset_mm" if feature.side.is_edge else "backset_mm"
     extent = size.thickness if feature.side.is_edge else size.width
     spans = (
-        (f"{path}.{across_key}", feature.across(size), shape.width, extent, "across"),
+        (_field(path, feature.across_key), feature.across(size), shape.width, extent, "across"),
         (f"{path}.height_mm", feature.centre_height(size), shape.length, size.height, "along the height"),
     )
     for field, centre, length, available, where in spans:
@@ -194,7 +199,7 @@ def _check_wood(size: DoorSize, feature: Feature, path: str) -> None:
     depth = feature.cut_depth(size)
     if depth > wood - MIN_FLOOR + ROUNDING:
         raise ThinFloor(
-            f"{path}.depth_mm",
+            _field(path, feature.depth_key),
             f"found {m_to_mm(depth):g} mm, allowed are at most {m_to_mm(wood - MIN_FLOOR):g} mm on this door",
             found=depth,
         )

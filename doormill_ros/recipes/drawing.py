@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.files import write_atomically
 from doormill_ros.frames import apply, inverse
 from doormill_ros.recipes.door import Side
 from doormill_ros.recipes.errors import UnreadableFile
@@ -127,7 +128,7 @@ class DoorDrawing:
         """Write the SVG file; raises UnreadableFile when it cannot be written."""
         path = Path(path)
         try:
-            path.write_text(self.to_svg(), encoding="utf-8")
+            write_atomically(path, self.to_svg())
         except OSError as error:
             raise UnreadableFile(f"{path}: cannot be written, {error.strerror}") from error
         return path

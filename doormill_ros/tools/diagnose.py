@@ -9,60 +9,24 @@ from __future__ import annotations
 import argparse
 import logging
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from rich.console import Console
 
 from doormill_ros.diagnosis import kinds
-from doormill_ros.diagnosis.runs.limits import MOST
 from doormill_ros.errors import DoormillError
 from doormill_ros.interrupts import interruptible
-
-SPRINGS = "springs"  #: for --in-use: no model.yaml, the robot's own springs
 
 
 @interruptible
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the tool; 0 for every verdict, 2 for data that cannot be read and results that cannot be written."""
-    parser = argparse.ArgumentParser(prog="diagnose", description=__doc__)
-    source = parser.add_mutually_exclusive_group(required=True)
-    source.add_argument(
-        "--data", metavar="DIR", type=Path, action="append", default=[], help="set to diagnose"
-    )
-    source.add_argument("--thesis", action="store_true", help="the loading tests that the thesis prints")
-    own = {listed.option: listed for listed in kinds.KINDS if listed.option}
-    for option, listed in own.items():
-        source.add_argument(f"--{option}", metavar="DIR", type=Path, help=listed.help)
-    parser.add_argument(
-        "--check", metavar="DIR", type=Path, action="append", default=[], help="set to predict only"
-    )
-    parser.add_argument(
-        "--in-use",
-        metavar="MODEL",
-        help="of --inspections: model.yaml that the next door is corrected with, to tell what it leaves; springs: none",
-    )
-    parser.add_argument(
-        "--last",
-        metavar="N",
-        type=int,
-        help="of --runs: the last runs only; bags that cannot be read are left aside and named",
-    )
-    parser.add_argument("--since", metavar="RUN", help="of --runs: the first run that counts")
-    parser.add_argument("--out", metavar="OUT", type=Path, required=True, help="folder for the results")
-    parser.add_argument("--quiet", action="store_true", help="print the verdict only")
+    parser = _parser()
     chosen = parser.parse_args(arguments)
-    if chosen.check and chosen.thesis:
-        others = ", ".join(f"--{option}" for option in ("data", *own))
-        parser.exit(
-            2, f"diagnose: --check was given with --thesis, allowed is --check with {others}; leave one out\n"
-        )
-    if chosen.in_use is not None and chosen.inspections is None:
-        parser.exit(2, "diagnose: --in-use was given without --inspections; leave it out\n")
-    if chosen.runs is None and (chosen.last is not None or chosen.since is not None):
-        parser.exit(2, "diagnose: --last or --since was given without --runs; leave it out\n")
-    if chosen.last is not None and not 2 <= chosen.last <= MOST:
-        parser.exit(2, f"diagnose: --last is {chosen.last}, allowed are 2 to {MOST}\n")
+    refused = _refusal(chosen)
+    if refused is not None:
+        parser.exit(2, f"diagnose: {refused}\n")
     logging.basicConfig(level=logging.ERROR)
     console = Console(stderr=True, quiet=chosen.quiet, log_path=False)
     try:
@@ -72,23 +36,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 console.log(line, highlight=False)
                 status.update(line)
 
-            if chosen.thesis:
-                from doormill_ros.thesis.run import run_thesis
-
-                verdict = run_thesis(chosen.out)
-            else:
-                from doormill_ros.diagnosis.core.kind import run  # late, as every kind (see `kinds`)
-
-                named = [listed for option, listed in own.items() if getattr(chosen, option) is not None]
-                asked = named[0] if named else kinds.kind_of([*chosen.data, *chosen.check])
-                if chosen.in_use is not None:
-                    kind = asked.make("" if chosen.in_use == SPRINGS else chosen.in_use)
-                elif chosen.runs is not None:
-                    kind = asked.make(chosen.last, chosen.since or "")
-                else:
-                    kind = asked.make()
-                data = [getattr(chosen, asked.option)] if named else chosen.data
-                verdict = run(kind, data, chosen.check, chosen.out, progress)
+            verdict = _verdict(chosen, progress)
     except DoormillError as error:
         print(" ".join(error.message.split()), file=sys.stderr)
         return 2
@@ -100,6 +48,49 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 2
     print(verdict)
     return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="diagnose", description=__doc__)
+    source = parser.add_mutually_exclusive_group(required=True)
+    source.add_argument(
+        "--data", metavar="DIR", type=Path, action="append", default=[], help="set to diagnose"
+    )
+    source.add_argument("--thesis", action="store_true", help="the loading tests that the thesis prints")
+    for listed in kinds.KINDS:
+        listed.add_option(source)
+    parser.add_argument(
+        "--check", metavar="DIR", type=Path, action="append", default=[], help="set to predict only"
+    )
+    for listed in kinds.KINDS:
+        listed.add_further(parser)
+    parser.add_argument("--out", metavar="OUT", type=Path, required=True, help="folder for the results")
+    parser.add_argument("--quiet", action="store_true", help="print the verdict only")
+    return parser
+
+
+def _refusal(chosen: argparse.Namespace) -> str | None:
+    """Why options do not go together, None where they do."""
+    if chosen.check and chosen.thesis:
+        own = [listed.option for listed in kinds.KINDS if listed.option]
+        others = ", ".join(f"--{option}" for option in ("data", *own))
+        return f"--check was given with --thesis, allowed is --check with {others}; leave one out"
+    refusals = (listed.refusal(chosen) for listed in kinds.KINDS)
+    return next((refusal for refusal in refusals if refusal is not None), None)
+
+
+def _verdict(chosen: argparse.Namespace, progress: Callable[[str], None]) -> str:
+    """Diagnose what was chosen; the verdict in one line."""
+    if chosen.thesis:
+        from doormill_ros.thesis.run import run_thesis
+
+        return run_thesis(chosen.out)
+    from doormill_ros.diagnosis.core.kind import run  # late, as every kind (see `kinds`)
+
+    named = [(listed, folder) for listed in kinds.KINDS if (folder := listed.folder(chosen)) is not None]
+    data = [folder for _, folder in named] or chosen.data
+    asked = named[0][0] if named else kinds.kind_of([*data, *chosen.check])
+    return run(asked.made(chosen), data, chosen.check, chosen.out, progress)
 
 
 if __name__ == "__main__":

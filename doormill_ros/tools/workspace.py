@@ -33,7 +33,7 @@ from doormill_ros.workspace.advice import (
 )
 from doormill_ros.workspace.doors import LARGEST, DoorRange, thesis_box
 from doormill_ros.workspace.grid import THESIS_STEP, thesis_grid
-from doormill_ros.workspace.maps import WRENCH_SCRIPT, WRENCH_TEXT, Maps, compute_maps, save_maps
+from doormill_ros.workspace.maps import WRENCH_SCRIPT, WRENCH_TEXT, Maps, compute_maps, save_arrays, save_maps
 from doormill_ros.workspace.pictures import draw_conditioning, draw_influence, draw_region, draw_stiffness
 from doormill_ros.workspace.posture import POSTURES
 from doormill_ros.workspace.region import ELBOW, BoxPlacement, RegionRules, RegionSearch, assess, survey
@@ -133,7 +133,7 @@ def _maps(robot: Robot, grids: list[Any], out: Path, progress: Progress) -> dict
     for name, grid, wrench, posture in runs:
         task = progress.add_task(f"{name}", total=1.0)
         maps = compute_maps(robot, grid, wrench, progress=_bar(progress, task, 0.5))
-        save_maps(maps, str(out / f"{name}.npz"))
+        save_maps(maps, out / f"{name}.npz")
         heading = f"{robot.label}, {posture}"
         load = f"{wrench[2]:.0f} N, {wrench[3]:.0f} N m"
         draw_influence(maps, f"Influence of K_c: {heading}, {load}", out / f"{name}_influence.png", marks)
@@ -226,8 +226,7 @@ def _placement(placement: BoxPlacement, lowest_hinge: float) -> dict[str, Any]:
 
 def _save_search(found: RegionSearch, path: Path) -> None:
     x, y, z = found.corners
-    worst: dict[str, Any] = dict(found.worst)
-    np.savez_compressed(path, corner_x_m=x, corner_y_m=y, corner_z_m=z, allowed=found.allowed, **worst)
+    save_arrays(path, corner_x_m=x, corner_y_m=y, corner_z_m=z, allowed=found.allowed, **found.worst)
 
 
 def _bar(progress: Progress, task: Any, share: float) -> Any:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.files import write_atomically
 from doormill_ros.robot.chain import JOINTS, ChainFrames, chain_frames, dot, jacobian_columns
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot_model.elastic.batch import complementary, joint_torque, solve_springs, twist
@@ -149,10 +152,21 @@ def axis_stiffness(velocity: FloatArray, stiffness: FloatArray) -> FloatArray:
     return stiff
 
 
-def save_maps(maps: Maps, path: str) -> None:
+def save_arrays(path: Path, **arrays: Any) -> None:
+    """Write an npz file in one step.
+
+    Raises:
+        OSError: It cannot be written; one that was there stays as it was.
+    """
+    stream = io.BytesIO()
+    np.savez_compressed(stream, **arrays)
+    write_atomically(path, stream.getvalue())
+
+
+def save_maps(maps: Maps, path: Path) -> None:
     """Write the arrays to an npz file, axes in degrees: joint2_deg (n2,), joint3_deg (n3,), maps (n3, n2)."""
-    stiffness: dict[str, Any] = {f"stiffness_{name}_N_per_m": v for name, v in maps.stiffness.items()}
-    np.savez_compressed(
+    stiffness = {f"stiffness_{name}_N_per_m": v for name, v in maps.stiffness.items()}
+    save_arrays(
         path,
         joint2_deg=rad_to_deg(maps.grid.q2),
         joint3_deg=rad_to_deg(maps.grid.q3),

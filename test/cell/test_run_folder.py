@@ -7,10 +7,13 @@ from pathlib import Path
 import pytest
 
 from doormill_ros.cell.errors import BadParameterError
+from doormill_ros.cell.gauged import note_gauged
 from doormill_ros.cell.run_folder import RunFolder, ShiftFolder
 
-GAUGED = "schema: doormill/inspection/1\nnoise: 1.0e-05\ndatum: camera\n"
-MEASURED = GAUGED.replace("1.0e-05", "5.0e-06")
+GAUGED = "schema: doormill/inspection/1\nrun_id: r0\nbag: ../bag\nnoise: 1.0e-05\ndatum: camera\n"
+#: As a gauge in a workshop may have it; the words of the last one are the simulated one's.
+MEASURED = GAUGED.replace("1.0e-05", "5.0e-06"), GAUGED.replace("r0", "r1")
+POINTS = "feature,surface\n"
 
 
 def write(folder: Path, **texts: str) -> None:
@@ -33,11 +36,17 @@ def milled(root: Path) -> None:
     )
 
 
+def gauged(root: Path, folder: Path, description: str = GAUGED) -> None:
+    """What the simulated gauge leaves."""
+    note_gauged(root / "controller", GAUGED, POINTS)
+    write(folder, inspection_yaml=description, points_csv=POINTS)
+
+
 def milled_alone(root: Path) -> RunFolder:
     """What a run by itself leaves, whose page has questioned doors."""
     milled(root)
     write(root / "controller" / "HOME", Hei2_old="")
-    write(root / "inspections" / "doors" / "r0", inspection_yaml=GAUGED)
+    gauged(root, root / "inspections" / "doors" / "r0", GAUGED.replace("../bag", "../../../bag"))
     write(root / "models", models_json="{}")
     return RunFolder(root)
 
@@ -48,7 +57,7 @@ def shift_of(root: Path, doors: int) -> ShiftFolder:
     for number in range(doors):
         run = paths.run(number)
         milled(run.root)
-        write(run.inspection, inspection_yaml=GAUGED, points_csv="")
+        gauged(root, run.inspection)
     write(paths.controller, Hei2_old="")
     write(root, shift_json='{"schema": "doormill/shift/1"}')
     write(
@@ -102,9 +111,12 @@ def test_without_a_run_nothing_is_taken_for_its_own(tmp_path: Path, place: str) 
 
 
 @pytest.mark.parametrize("place", ["inspection", "inspections/doors/r1", "inspections/waiting/r1"])
-def test_an_inspection_that_somebody_measured_is_not_removed(tmp_path: Path, place: str) -> None:
+@pytest.mark.parametrize("measured", MEASURED)
+def test_an_inspection_that_somebody_measured_is_not_removed(
+    tmp_path: Path, place: str, measured: str
+) -> None:
     run = milled_alone(tmp_path)
-    write(tmp_path / place, inspection_yaml=MEASURED)
+    write(tmp_path / place, inspection_yaml=measured, points_csv=POINTS)
     before = content(tmp_path)
     with pytest.raises(BadParameterError, match="holds an inspection that somebody measured"):
         run.prepare()
@@ -143,14 +155,24 @@ def test_a_file_of_somebody_else_is_not_removed_by_a_shift(tmp_path: Path, place
     assert content(tmp_path) == before
 
 
-def test_what_somebody_measured_on_a_door_of_a_shift_stays(tmp_path: Path) -> None:
+@pytest.mark.parametrize("texts", [*({"inspection_yaml": text} for text in MEASURED), {"points_csv": "5\n"}])
+def test_what_somebody_measured_on_a_door_of_a_shift_stays(tmp_path: Path, texts: dict[str, str]) -> None:
     paths = shift_of(tmp_path, 2)
-    write(paths.run(1).inspection, inspection_yaml=MEASURED)
+    write(paths.run(1).inspection, **texts)
     with pytest.raises(
         BadParameterError, match=r"door_001/inspection/inspection\.yaml, and a new run would remove it"
     ):
         paths.prepare(2)
     assert paths.run(0).bag.is_dir()
+
+
+def test_inspections_of_a_shift_without_notes_of_its_gauge_stay(tmp_path: Path) -> None:
+    paths = shift_of(tmp_path, 2)
+    (tmp_path / "controller" / "gauged.txt").unlink()
+    before = content(tmp_path)
+    with pytest.raises(BadParameterError, match="the simulated gauge has not noted it as its own"):
+        paths.prepare(2)
+    assert content(tmp_path) == before
 
 
 def test_a_run_and_a_shift_do_not_take_each_others_place(tmp_path: Path) -> None:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import inspect
+
 import pytest
 
 from doormill_ros.diagnosis import kinds
 from doormill_ros.diagnosis.core.kind import Kind
+from doormill_ros.diagnosis.listed_kind import ListedKind
 from doormill_ros.measurements import schemas
 from support.loaded_modules import loaded
 
@@ -19,10 +22,11 @@ def test_the_tool_starts_without_what_only_a_diagnosis_needs() -> None:
 
 
 @pytest.mark.parametrize("listed", kinds.KINDS, ids=lambda listed: listed.schema)
-def test_a_kind_is_made_from_its_line(listed: kinds.ListedKind) -> None:
+def test_a_kind_is_made_from_its_line(listed: ListedKind) -> None:
     kind = listed.make()
     assert isinstance(kind, Kind)
     assert bool(listed.option) == bool(listed.help)
+    assert set(inspect.signature(type(kind)).parameters) == {one.name for one in listed.further}
 
 
 def test_every_folder_of_measured_data_is_of_a_kind() -> None:

@@ -13,6 +13,7 @@ from doormill_ros.diagnosis import kinds
 from doormill_ros.diagnosis.core.fitting.problem import Examined, Prediction, make_folds
 from doormill_ros.diagnosis.core.kind import SearchedKind
 from doormill_ros.diagnosis.core.words.wording import Unit, Words
+from doormill_ros.diagnosis.listed_kind import FurtherOption, ListedKind
 from doormill_ros.pages.page import PageSection, Paragraphs
 from doormill_ros.robot_model.candidate import Candidate, CauseParameter
 from doormill_ros.tools.diagnose import main
@@ -141,7 +142,7 @@ def diagnose(folder, hidden, *more, check=None):
 
 @pytest.fixture
 def registered(monkeypatch):
-    monkeypatch.setattr(kinds, "KINDS", (*kinds.KINDS, kinds.ListedKind(SCHEMA, Rooms)))
+    monkeypatch.setattr(kinds, "KINDS", (*kinds.KINDS, ListedKind(SCHEMA, Rooms)))
 
 
 @pytest.mark.parametrize(
@@ -201,7 +202,7 @@ def test_a_kind_of_its_own_goes_through_document_model_and_page(registered, tmp_
 
 
 def test_a_kind_may_have_an_option_of_its_own(monkeypatch, tmp_path, capsys):
-    chambers = kinds.ListedKind(SCHEMA, Rooms, "chambers", "rooms that are heard about")
+    chambers = ListedKind(SCHEMA, Rooms, "chambers", "rooms that are heard about")
     monkeypatch.setattr(kinds, "KINDS", (*kinds.KINDS, chambers))
     with pytest.raises(SystemExit):
         main(["--help"])
@@ -210,6 +211,32 @@ def test_a_kind_may_have_an_option_of_its_own(monkeypatch, tmp_path, capsys):
     (tmp_path / "set.yaml").write_text(yaml.safe_dump({"schema": SCHEMA, "hidden": []}))
     assert main(["--chambers", str(tmp_path), "--out", str(tmp_path / "out"), "--quiet"]) == 0
     assert capsys.readouterr().out.startswith("consistent: the reading of ")
+
+
+def test_what_goes_with_that_option_is_told_the_kind(monkeypatch, tmp_path, capsys):
+    told = []
+    further = (
+        FurtherOption("first_room", "N", "the first room that counts", int, range(3)),
+        FurtherOption("tone", "T", "what they are asked with"),
+    )
+
+    def make(**given):
+        told.append(given)
+        return Rooms()
+
+    chambers = ListedKind(SCHEMA, make, "chambers", "rooms that are heard about", further)
+    monkeypatch.setattr(kinds, "KINDS", (*kinds.KINDS, chambers))
+    (tmp_path / "set.yaml").write_text(yaml.safe_dump({"schema": SCHEMA, "hidden": []}))
+    asked = ["--chambers", str(tmp_path), "--out", str(tmp_path / "out"), "--quiet"]
+    assert main([*asked, "--first-room", "2"]) == 0
+    assert told == [{"first_room": 2}]
+    for wrong, sentence in (
+        ([*asked, "--first-room", "3"], "--first-room is 3, allowed are 0 to 2"),
+        (["--thesis", "--tone", "low", "--out", "x"], "--first-room or --tone was given without --chambers"),
+    ):
+        with pytest.raises(SystemExit):
+            main(wrong)
+        assert sentence in capsys.readouterr().err
 
 
 def test_the_core_knows_no_kind():

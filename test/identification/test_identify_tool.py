@@ -12,6 +12,7 @@ import pytest
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot_model.elastic.joint_springs import JointSpringModel
 from doormill_ros.tools.identify import main
+from support.full_disk import room_for
 
 TRUE = np.array([3.1e6, 1.7e6, 2.2e6, 2.6e5, 1.6e5, 6.1e4])
 
@@ -106,6 +107,16 @@ def test_bad_input_is_one_line_and_writes_nothing(tmp_path, make_set, capsys, ca
     assert printed.err.count("\n") == 1
     assert re.search(pattern, printed.err)
     assert not out.exists()
+
+
+def test_a_full_disk_leaves_the_earlier_identification(tmp_path, capsys):
+    earlier = {"identification.json": b"{}", "robot.yaml": b"robot: earlier", "robot.urdf": b"<robot/>"}
+    for name, content in earlier.items():
+        (tmp_path / name).write_bytes(content)
+    with room_for(2000):
+        assert main(["--thesis", "--out", str(tmp_path)]) == 2
+    assert "too large" in capsys.readouterr().err
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == earlier
 
 
 def test_out_that_is_a_file_is_refused(tmp_path, capsys):

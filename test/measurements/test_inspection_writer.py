@@ -40,6 +40,13 @@ def test_a_written_inspection_is_read_as_it_was(tmp_path):
     assert [door.name for door in inspections_in(folder)] == ["door_003"]
 
 
+@pytest.mark.parametrize("noise", [1e-8, 1e-5, 1.25e-5, 1.2345678901234567e-05, 1.0 / 30000.0, 1.5e-4, 1e-3])
+def test_the_noise_of_a_gauge_is_read_as_it_was_told(tmp_path, noise):
+    (tmp_path / "bag").mkdir()
+    write_inspection(tmp_path, tmp_path / "bag", "run", datetime.now(UTC), noise, points(4))
+    assert read_inspection(tmp_path).noise == noise
+
+
 def test_inspections_below_their_runs_and_by_themselves_are_found_in_the_order_of_their_names(tmp_path):
     (tmp_path / "bag").mkdir()
     for name in ("b/inspection", "a", "c/inspection"):

@@ -7,6 +7,7 @@ from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.recipes.drawing import HEIGHT, PANEL, draw_recipe
 from doormill_ros.recipes.errors import UnreadableFile
 from doormill_ros.recipes.recipe import Recipe
+from support.full_disk import room_for
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -108,3 +109,11 @@ def test_overlay_of_an_unknown_feature(recipe):
 def test_drawing_that_cannot_be_written(recipe, tmp_path):
     with pytest.raises(UnreadableFile, match="cannot be written"):
         draw_recipe(recipe).save(tmp_path / "none" / "x.svg")
+
+
+def test_a_full_disk_leaves_the_drawing_that_was_there(recipe, tmp_path):
+    path = tmp_path / "x.svg"
+    path.write_text("earlier")
+    with room_for(100), pytest.raises(UnreadableFile, match="cannot be written"):
+        draw_recipe(recipe).save(path)
+    assert path.read_text() == "earlier"

@@ -16,6 +16,7 @@ from doormill_ros.recipes.exchange.files import read_file, write_file
 from doormill_ros.recipes.exchange.thesis_text import format_thesis_text, parse_thesis_text
 from doormill_ros.recipes.program import Program
 from doormill_ros.recipes.recipe import Recipe
+from support.full_disk import room_for
 
 MINIMAL = """Door Width\t190
 Door Height\t2500
@@ -329,6 +330,16 @@ def test_absent_file_and_absent_folder(tmp_path, ending):
         read_file(tmp_path / f"none.{ending}")
     with pytest.raises(e.UnreadableFile, match="cannot be written"):
         write_file(tmp_path / "none" / f"x.{ending}", [load_recipe("thesis_190_0deg")])
+
+
+@pytest.mark.parametrize("ending", ["xlsx", "csv", "txt", "yaml", "json"])
+def test_a_full_disk_leaves_the_file_that_was_there(tmp_path, ending):
+    path = tmp_path / f"x.{ending}"
+    path.write_bytes(b"what somebody has")
+    with room_for(100), pytest.raises(e.UnreadableFile, match="cannot be written"):
+        write_file(path, [load_recipe("thesis_190_0deg")])
+    assert path.read_bytes() == b"what somebody has"
+    assert list(tmp_path.iterdir()) == [path]
 
 
 def test_endings_in_capitals(tmp_path, recipe):

@@ -150,7 +150,7 @@ def test_progress_ends_at_one(irb6600):
 
 def test_saved_arrays_have_axes_in_degrees(irb6600, tmp_path):
     maps = compute_maps(irb6600, thesis_grid(irb6600, step=0.2))
-    save_maps(maps, str(tmp_path / "maps.npz"))
+    save_maps(maps, tmp_path / "maps.npz")
     with np.load(tmp_path / "maps.npz") as data:
         assert data["joint2_deg"][0] == pytest.approx(-65)
         assert data["joint3_deg"][0] == pytest.approx(-180)

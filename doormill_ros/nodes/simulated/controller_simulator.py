@@ -11,13 +11,14 @@ from typing import Any, TypeVar
 from std_msgs.msg import Header
 
 from doormill_interfaces.msg import DoorPlacement, DoorRecipe, MilledDoor, RunResult, TargetArray
+from doormill_ros.cell.gauged import note_gauged
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.cell.node_names import CONTROLLER_SIMULATOR
 from doormill_ros.cell.tolerance import TOLERANCE
 from doormill_ros.cell.two_robots import SECOND
 from doormill_ros.cell.waiting import wait
 from doormill_ros.frames import BASE_FRAME, DOOR_FRAME
-from doormill_ros.measurements.inspection_writer import MeasuredPoints, write_inspection
+from doormill_ros.measurements.inspection_writer import MeasuredPoints, inspection_texts, write_inspection
 from doormill_ros.messages.from_message import program_of, recipe_of, transform_of
 from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.base.managed_node import ManagedNode
@@ -288,6 +289,8 @@ class ControllerSimulator(ManagedNode):
 
     def _tell_gauged(self, points: MeasuredPoints, run_id: str) -> None:
         ended = self._shift.ended()
+        # Before anybody can keep it: what is found without a note is taken for somebody's.
+        note_gauged(Path(self.value("home")).parent, *inspection_texts(BAG, run_id, ended, NOISE, points))
         if self.value("inspection"):
             folder = Path(self.value("inspection"))
             write_inspection(folder, folder.parent / BAG, run_id, ended, NOISE, points)

@@ -9,7 +9,7 @@ from typing import Any
 
 import yaml
 
-from doormill_ros.files import NotUtf8, read_regular, text_of_utf8
+from doormill_ros.files import NotUtf8, read_regular, text_of_utf8, write_atomically
 from doormill_ros.recipes.documents import parse_json, parse_yaml, read_text
 from doormill_ros.recipes.errors import (
     DuplicateName,
@@ -73,13 +73,13 @@ def write_file(path: str | Path, recipes: Sequence[Recipe]) -> None:
     Raises:
         UnknownFileType: The ending stands for no format.
         NotExpressible: The thesis' text table cannot hold a recipe; nothing is written.
-        UnreadableFile: The file cannot be written.
+        UnreadableFile: The file cannot be written; one that was there stays as it was.
     """
     path = Path(path)
     ending = ending_of(path, ENDINGS)
-    content = _sheet(recipes) if ending == ".xlsx" else _text(ending, path, recipes).encode()
     try:
-        path.write_bytes(content)
+        content = _sheet(recipes) if ending == ".xlsx" else _text(ending, path, recipes)
+        write_atomically(path, content)
     except OSError as error:
         raise UnreadableFile(f"{path}: cannot be written, {error.strerror}") from error
 

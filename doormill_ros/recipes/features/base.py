@@ -92,6 +92,11 @@ class Feature(Section):
     budget: ClassVar[TimeBudget | None] = None  #: None: its time counts to the door's alone
     is_lock_case: ClassVar[bool] = False  #: others may belong to it
     surrounds: ClassVar[bool] = False  #: round the mouth of the lock case that it belongs to, not through it
+    # Keys in the document that the checks of a recipe name where a feature does not fit; empty: the feature as a whole.
+    across_key: ClassVar[str] = ""  #: of what `across` follows from
+    depth_key: ClassVar[str] = ""  #: of what `cut_depth` follows from
+    radius_key: ClassVar[str] = ""  #: of the radius of the corners of `shape`
+    case_key: ClassVar[str] = ""  #: of what `belongs_to` is
 
     id: Name
     side: Side

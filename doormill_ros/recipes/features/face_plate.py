@@ -26,6 +26,8 @@ class FacePlate(EdgePocket):
     kind: ClassVar[str] = "face_plate"
     budget: ClassVar[TimeBudget | None] = LOCK_TIME
     surrounds: ClassVar[bool] = True
+    radius_key: ClassVar[str] = "corner_radius_mm"
+    case_key: ClassVar[str] = "lock_case"
 
     corner_radius: Annotated[float, Quantity("mm", 0.0, 50.0)]
     lock_case: Name | None = None

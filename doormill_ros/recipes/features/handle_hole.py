@@ -32,6 +32,8 @@ class HandleHole(Feature):
     kind: ClassVar[str] = "handle_hole"
     budget: ClassVar[TimeBudget | None] = TimeBudget("hole_side")
     sides: ClassVar[tuple[Side, ...]] = (Side.FRONT, Side.REAR)
+    across_key: ClassVar[str] = "backset_mm"
+    case_key: ClassVar[str] = "lock_case"
 
     backset: Annotated[float, Quantity("mm", 0.0, 1350.0)]
     diameter: Annotated[float, Quantity("mm", 5.0, 150.0)]

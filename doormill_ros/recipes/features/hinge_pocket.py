@@ -74,6 +74,8 @@ class HingePocket(Feature):
 
     budget: ClassVar[TimeBudget | None] = TimeBudget("hinges", "{count} hinges")
     sides: ClassVar[tuple[Side, ...]] = (Side.FRONT, Side.REAR)
+    across_key: ClassVar[str] = "backset_mm"
+    depth_key: ClassVar[str] = "depth_mm"
 
     backset: Annotated[float, Quantity("mm", 0.0, 1350.0)]
     width: Annotated[float, Quantity("mm", 5.0, 300.0)]
@@ -159,6 +161,7 @@ class LeafHinge(HingePocket):
     """
 
     kind: ClassVar[str] = "hinge_leaf"
+    radius_key: ClassVar[str] = "corner_radius_mm"
 
     corner_radius: Annotated[float, Quantity("mm", 0.0, 100.0)]
 

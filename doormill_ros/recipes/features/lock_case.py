@@ -28,6 +28,8 @@ class EdgePocket(Feature):
     """
 
     sides: ClassVar[tuple[Side, ...]] = (Side.LOCK_EDGE, Side.HINGE_EDGE)
+    across_key: ClassVar[str] = "offset_mm"
+    depth_key: ClassVar[str] = "depth_mm"
 
     offset: Annotated[float | None, Quantity("mm", 0.0, 100.0)] = None
     width: Annotated[float, Quantity("mm", 5.0, 100.0)]

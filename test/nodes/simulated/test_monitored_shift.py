@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from doormill_ros.cell.run_folder import ShiftFolder
 from doormill_ros.measurements.inspection import inspections_in
 from doormill_ros.models.store import ModelStore
 from doormill_ros.monitor.runs_finding import few_runs
@@ -35,6 +36,9 @@ def test_a_monitored_shift_ends_with_what_its_doors_say(
     # The topic and the file tell the same.
     assert kept.deviation == pytest.approx(written.deviation, abs=1e-9)
     assert kept.bag.resolve() == written.bag.resolve()
+    # Both are known for the simulated gauge's: a further shift takes their place.
+    ShiftFolder(out).prepare(1)
+    assert not list(out.rglob("inspection.yaml"))
 
 
 @pytest.mark.parametrize("arguments", [["--door", "x", "--monitor"], ["--door", "x", "--monitor", "--ui"]])

@@ -1,4 +1,4 @@
-"""Writes a diagnosis: diagnosis.json, report.html and, where something can use it, model.yaml; all or none."""
+"""Writes a diagnosis: diagnosis.json, report.html and, where something can use it, model.yaml."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any
 import yaml
 
 from doormill_ros.diagnosis.core.telling.account import Account, NamedCause
-from doormill_ros.files import write_atomically
+from doormill_ros.files import write_together
 from doormill_ros.robot_model.model_file import MODEL_FILE
 
 SCHEMA = "doormill/diagnosis/1"
@@ -58,15 +58,18 @@ def cause_entry(named: NamedCause) -> dict[str, Any]:
 def write_diagnosis(
     out: Path, document: Mapping[str, Any], model: Mapping[str, Any] | None, report: str
 ) -> None:
-    """Write the files; each appears complete or not at all, and no model of an earlier question stays beside it."""
+    """Write the files, diagnosis.json last; no model of an earlier question stays beside them.
+
+    Raises:
+        OSError: There is no room for all of them, or one cannot be written; an earlier diagnosis stays.
+    """
     out.mkdir(parents=True, exist_ok=True)
-    if model is None:
-        (out / MODEL_FILE).unlink(missing_ok=True)
     contents = {
-        "report.html": report,
-        "diagnosis.json": json.dumps(document, indent=2, allow_nan=False) + "\n",
+        out / "report.html": report,
+        out / "diagnosis.json": json.dumps(document, indent=2, allow_nan=False) + "\n",
     }
-    if model is not None:
-        contents = {MODEL_FILE: yaml.safe_dump(dict(model), sort_keys=False)} | contents
-    for name, text in contents.items():
-        write_atomically(out / name, text)
+    stored = out / MODEL_FILE
+    if model is None:
+        write_together(contents, gone=[stored])
+    else:
+        write_together({stored: yaml.safe_dump(dict(model), sort_keys=False)} | contents)
