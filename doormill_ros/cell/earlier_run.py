@@ -9,7 +9,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from doormill_ros.cell.gauged import DESCRIPTION, is_gauged, noted
+from doormill_ros.cell.gauged import is_gauged, noted
+from doormill_ros.cell.inspection_files import BESIDE_BAG, DESCRIPTION
 from doormill_ros.cell.schemas import RUN, SHIFT
 from doormill_ros.yaml_text import parse
 
@@ -91,7 +92,7 @@ def handed_in(folder: Path, controller: Path) -> Iterator[Path]:
 
 def inspected(root: Path) -> bool:
     """Whether a folder of a door holds an inspection."""
-    return (root / "inspection" / DESCRIPTION).is_file()
+    return (root / BESIDE_BAG / DESCRIPTION).is_file()
 
 
 def _files(folder: Path) -> Iterator[Path]:

@@ -9,8 +9,9 @@ import hashlib
 from contextlib import suppress
 from pathlib import Path
 
+from doormill_ros.cell.inspection_files import DESCRIPTION, TABLE
+
 NOTE = "gauged.txt"  #: a line an inspection, in the folder around HOME
-DESCRIPTION, TABLE = "inspection.yaml", "points.csv"
 
 
 def note_gauged(controller: Path, description: str, table: str) -> None:

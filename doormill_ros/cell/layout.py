@@ -71,7 +71,7 @@ class CellLayout:
         clearance: Kept between any two bodies that must not touch, outside the cut [m].
         gravity: Whose weight moves the targets.
         boards: What backs the rear face of a door.
-        sensors: What finds the door, by name; milled is from the pose of the first one.
+        sensors: What finds the door, by name; the first one's pose is used for milling.
         rack: Where tools stand that the robot takes by itself.
         rack_of_second: Where those of a second robot stand, by that robot's joint angles.
     """

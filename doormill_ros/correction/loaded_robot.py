@@ -36,7 +36,7 @@ class LoadedRobot:
 
     @functools.cached_property
     def _standing_model(self) -> StandingModel | None:
-        """The model, if its tool is off without any load: to ask a protocol takes longer than most models' answers."""
+        """The model, if it moves the unloaded tool; cached, because the isinstance check costs more than most answers."""
         return self.model if isinstance(self.model, StandingModel) else None
 
     @property

@@ -25,7 +25,7 @@ from doormill_ros.robot.description import Robot
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot_model.elastic.compliance import ComplianceModel, StandingSpread
 
-#: Standard deviation of a spring of which the robot's description states none, as a share of it
+#: Standard deviation of a spring of which the robot's description states none, as a share of it; assumed
 UNSTATED = 0.3
 
 

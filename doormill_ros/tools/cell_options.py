@@ -86,7 +86,7 @@ def _parser() -> argparse.ArgumentParser:
         default=[],
         metavar="NAME",
         help="what finds the door instead of what config/cell.yaml names: camera, "
-        f"{enumerated(SIMULATED_SENSORS, 'or')}; several are held against each other, milled is from the first one",
+        f"{enumerated(SIMULATED_SENSORS, 'or')}; several are held against each other, the first one's pose is used for milling",
     )
     parser.add_argument("--no-pictures", action="store_true", help="simulate a broken camera")
     parser.add_argument(

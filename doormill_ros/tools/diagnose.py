@@ -17,6 +17,7 @@ from rich.console import Console
 from doormill_ros.diagnosis import kinds
 from doormill_ros.errors import DoormillError
 from doormill_ros.interrupts import interruptible
+from doormill_ros.tools.one_line_parser import OneLineParser
 
 
 @interruptible
@@ -26,7 +27,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     chosen = parser.parse_args(arguments)
     refused = _refusal(chosen)
     if refused is not None:
-        parser.exit(2, f"diagnose: {refused}\n")
+        parser.error(refused)
     logging.basicConfig(level=logging.ERROR)
     console = Console(stderr=True, quiet=chosen.quiet, log_path=False)
     try:
@@ -51,7 +52,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="diagnose", description=__doc__)
+    parser = OneLineParser(prog="diagnose", description=__doc__)
     source = parser.add_mutually_exclusive_group(required=True)
     source.add_argument(
         "--data", metavar="DIR", type=Path, action="append", default=[], help="set to diagnose"

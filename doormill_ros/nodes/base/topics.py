@@ -64,8 +64,7 @@ TRANSFORMS = _qos(100)
 class Topic:
     """A topic: relative name, message class, quality of service; `fallback` for a lesser offer.
 
-    Of a `nested` one, whose messages hold others by the thousand, nodes get messages that are no objects of `type` but
-    have its fields.
+    If `nested`, nodes receive lightweight objects with the fields of `type`: real ones would hold thousands of messages.
     """
 
     name: str

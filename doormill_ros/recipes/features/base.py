@@ -76,7 +76,6 @@ class Feature(Section):
         side: Surface of the door.
         height: Distance of the centre from the bottom or the top edge [m].
         height_from: The edge that `height` counts from.
-        depth: Depth of the pocket [m].
         tool: Mill.
         cutting: Speed and feed.
         passes: Depth steps and finishing.

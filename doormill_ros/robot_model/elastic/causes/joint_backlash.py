@@ -87,9 +87,9 @@ class DisplacementBacklash(ElasticCause):
         return np.stack([ramp[:, None] * unit, theta[0] * slope[:, None] * unit], axis=2)
 
     def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
-        """Gap and crossing torque."""
+        """Gap [rad] and crossing torque [N m], shape (2,)."""
         return np.array([_GAP * theta[0], theta[1] * case.largest_torque[index(self.where)]])
 
     def from_values(self, values: FloatArray, case: LoadCase) -> FloatArray:
-        """From gap and crossing torque."""
+        """From gap [rad] and crossing torque [N m], shape (2,)."""
         return np.array([values[0] / _GAP, values[1] / case.largest_torque[index(self.where)]])

@@ -40,9 +40,9 @@ class JointCrossCompliance(LinearTwist):
         return case.rotate(_SCALE * moment, k, k + 1)[:, :, None]
 
     def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
-        """Compliance."""
+        """Compliance [rad / (N m)], shape (1,)."""
         return theta * _SCALE
 
     def from_values(self, values: FloatArray, case: LoadCase) -> FloatArray:
-        """From the compliance."""
+        """From the compliance [rad / (N m)], shape (1,)."""
         return np.asarray(values) / _SCALE

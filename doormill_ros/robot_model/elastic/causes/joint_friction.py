@@ -57,11 +57,11 @@ class JointFriction(ElasticCause):
         return result
 
     def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
-        """Friction torque."""
+        """Friction torque [N m], shape (1,)."""
         result: FloatArray = theta * case.largest_torque[index(self.where)]
         return result
 
     def from_values(self, values: FloatArray, case: LoadCase) -> FloatArray:
-        """From the friction torque."""
+        """From the friction torque [N m], shape (1,)."""
         result: FloatArray = np.asarray(values) / case.largest_torque[index(self.where)]
         return result

@@ -54,11 +54,11 @@ class JointHardening(ElasticCause):
         )
 
     def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
-        """Stiffness at zero torque and h."""
+        """Stiffness at zero torque [N m / rad] and h, shape (2,)."""
         k = index(self.where)
         return np.array([case.joint_stiffness[k] / (1.0 + theta[0]), theta[1] / case.largest_torque[k]])
 
     def from_values(self, values: FloatArray, case: LoadCase) -> FloatArray:
-        """From stiffness and h."""
+        """From stiffness [N m / rad] and h, shape (2,)."""
         k = index(self.where)
         return np.array([case.joint_stiffness[k] / values[0] - 1.0, values[1] * case.largest_torque[k]])

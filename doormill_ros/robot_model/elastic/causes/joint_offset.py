@@ -30,9 +30,9 @@ class JointOffset(ElasticCause):
         setup.joint_offset[index(self.where)] += float(theta[0])
 
     def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
-        """Angle."""
+        """Angle [rad], shape (1,)."""
         return np.array(theta)
 
     def from_values(self, values: FloatArray, case: LoadCase) -> FloatArray:
-        """From the angle."""
+        """From the angle [rad], shape (1,)."""
         return np.array(values)

@@ -35,11 +35,11 @@ class JointStiffness(LinearTwist):
         return result
 
     def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
-        """Stiffness."""
+        """Stiffness [N m / rad], shape (1,)."""
         result: FloatArray = case.joint_stiffness[index(self.where)] / (1.0 + theta)
         return result
 
     def from_values(self, values: FloatArray, case: LoadCase) -> FloatArray:
-        """From the stiffness."""
+        """From the stiffness [N m / rad], shape (1,)."""
         result: FloatArray = case.joint_stiffness[index(self.where)] / np.asarray(values) - 1.0
         return result

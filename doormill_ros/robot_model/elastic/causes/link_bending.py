@@ -50,9 +50,9 @@ class LinkBending(LinearTwist):
         return twist[:, :, None]
 
     def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
-        """EI."""
+        """EI [N m^2], shape (1,)."""
         return 1.0 / (_SCALE * np.maximum(theta, 1e-12))
 
     def from_values(self, values: FloatArray, case: LoadCase) -> FloatArray:
-        """From EI."""
+        """From EI [N m^2], shape (1,)."""
         return 1.0 / (_SCALE * np.asarray(values))

@@ -31,11 +31,11 @@ class ProcessForce(ElasticCause):
         setup.wrench_gain *= 1.0 + float(theta[0])
 
     def values(self, theta: FloatArray, case: LoadCase | None = None) -> FloatArray:
-        """Factor."""
+        """Factor, shape (1,)."""
         return 1.0 + theta
 
     def from_values(self, values: FloatArray, case: LoadCase | None = None) -> FloatArray:
-        """From the factor."""
+        """From the factor, shape (1,)."""
         return np.asarray(values) - 1.0
 
 
@@ -60,9 +60,9 @@ class ProcessForceDirection(ElasticCause):
         setup.process_angle += float(theta[0])
 
     def values(self, theta: FloatArray, case: LoadCase | None = None) -> FloatArray:
-        """Angle."""
+        """Angle [rad], shape (1,)."""
         return np.array(theta)
 
     def from_values(self, values: FloatArray, case: LoadCase | None = None) -> FloatArray:
-        """From the angle."""
+        """From the angle [rad], shape (1,)."""
         return np.array(values)

@@ -33,9 +33,9 @@ class ReflectorPosition(ElasticCause):
         setup.reflector_offset[self.where] = setup.reflector_offset.get(self.where, np.zeros(3)) + theta
 
     def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
-        """Offset."""
+        """Offset [m], shape (3,)."""
         return np.array(theta)
 
     def from_values(self, values: FloatArray, case: LoadCase) -> FloatArray:
-        """From the offset."""
+        """From the offset [m], shape (3,)."""
         return np.array(values)

@@ -41,9 +41,9 @@ class DisplacementDrift(ElasticCause):
         return _SPEED * dt[:, None, None] * np.eye(3)
 
     def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
-        """Velocity."""
+        """Velocity [m/s], shape (3,)."""
         return _SPEED * theta
 
     def from_values(self, values: FloatArray, case: LoadCase) -> FloatArray:
-        """From the velocity."""
+        """From the velocity [m/s], shape (3,)."""
         return np.asarray(values) / _SPEED

@@ -48,9 +48,9 @@ class TiltingMount(LinearTwist):
         return (tilts[0] + tilts[1])[:, :, None]
 
     def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
-        """Rotational stiffness."""
+        """Rotational stiffness [N m / rad], shape (1,), (2,) about two axes."""
         return 1.0 / (self.unit_compliance * np.maximum(theta, 1e-9))
 
     def from_values(self, values: FloatArray, case: LoadCase) -> FloatArray:
-        """From the stiffness."""
+        """From the stiffness [N m / rad], shape (1,)."""
         return 1.0 / (self.unit_compliance * np.asarray(values, dtype=float))

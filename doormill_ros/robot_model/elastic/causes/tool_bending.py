@@ -34,9 +34,9 @@ class ToolBending(LinearTwist):
         return np.concatenate([_UNIT * across, np.zeros_like(across)], axis=1)[:, :, None]
 
     def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
-        """Stiffness."""
+        """Stiffness [N / m], shape (1,)."""
         return 1.0 / (_UNIT * np.maximum(theta, 1e-9))
 
     def from_values(self, values: FloatArray, case: LoadCase) -> FloatArray:
-        """From the stiffness."""
+        """From the stiffness [N / m], shape (1,)."""
         return 1.0 / (_UNIT * np.asarray(values, dtype=float))

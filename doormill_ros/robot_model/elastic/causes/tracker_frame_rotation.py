@@ -39,9 +39,9 @@ class TrackerFrameRotation(ElasticCause):
         return np.stack([cross(axis, turned) for axis in np.eye(3)], axis=2)
 
     def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
-        """Rotation vector."""
+        """Rotation vector [rad], shape (3,)."""
         return np.array(theta)
 
     def from_values(self, values: FloatArray, case: LoadCase) -> FloatArray:
-        """From the rotation vector."""
+        """From the rotation vector [rad], shape (3,)."""
         return np.array(values)

@@ -29,7 +29,7 @@ class TrackerScale(ElasticCause):
         return "every reported displacement is off by the same share"
 
     def observe(self, displacement: FloatArray, dt: FloatArray, theta: FloatArray) -> FloatArray:
-        """Scale."""
+        """The displacements times 1 + theta, shape (n, 3) [m]."""
         result: FloatArray = displacement * (1.0 + theta[0])
         return result
 
@@ -38,9 +38,9 @@ class TrackerScale(ElasticCause):
         return displacement[:, :, None]
 
     def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
-        """Factor."""
+        """Factor, shape (1,)."""
         return 1.0 + theta
 
     def from_values(self, values: FloatArray, case: LoadCase) -> FloatArray:
-        """From the factor."""
+        """From the factor, shape (1,)."""
         return np.asarray(values) - 1.0

@@ -35,9 +35,9 @@ class WrenchFrameRotation(ElasticCause):
         setup.wrench_angle += float(theta[0])
 
     def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
-        """Angle to add to the stated one."""
+        """Angle to add to the stated one [rad], shape (1,)."""
         return np.array(theta)
 
     def from_values(self, values: FloatArray, case: LoadCase) -> FloatArray:
-        """From the angle."""
+        """From the angle [rad], shape (1,)."""
         return np.array(values)

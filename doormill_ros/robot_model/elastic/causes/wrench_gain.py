@@ -34,9 +34,9 @@ class WrenchGain(ElasticCause):
         setup.wrench_gain *= 1.0 + float(theta[0])
 
     def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
-        """Factor."""
+        """Factor, shape (1,)."""
         return 1.0 + theta
 
     def from_values(self, values: FloatArray, case: LoadCase) -> FloatArray:
-        """From the factor."""
+        """From the factor, shape (1,)."""
         return np.asarray(values) - 1.0
