@@ -36,7 +36,7 @@ class LoadedRobot:
 
     @functools.cached_property
     def _standing_model(self) -> StandingModel | None:
-        """The model, if it moves the unloaded tool; cached, because the isinstance check costs more than most answers."""
+        """The model, if it moves the unloaded tool; cached: the isinstance check costs more than most answers."""
         return self.model if isinstance(self.model, StandingModel) else None
 
     @property

@@ -86,7 +86,8 @@ def _parser() -> argparse.ArgumentParser:
         default=[],
         metavar="NAME",
         help="what finds the door instead of what config/cell.yaml names: camera, "
-        f"{enumerated(SIMULATED_SENSORS, 'or')}; several are held against each other, the first one's pose is used for milling",
+        f"{enumerated(SIMULATED_SENSORS, 'or')}; several are held against each other, "
+        "the first one's pose is used for milling",
     )
     parser.add_argument("--no-pictures", action="store_true", help="simulate a broken camera")
     parser.add_argument(

@@ -64,7 +64,7 @@ TRANSFORMS = _qos(100)
 class Topic:
     """A topic: relative name, message class, quality of service; `fallback` for a lesser offer.
 
-    If `nested`, nodes receive lightweight objects with the fields of `type`: real ones would hold thousands of messages.
+    If `nested`, nodes receive light objects with the fields of `type`: real ones would hold thousands of messages.
     """
 
     name: str
