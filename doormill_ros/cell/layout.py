@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from pydantic import StrictBool
@@ -44,6 +45,21 @@ class DoorOffset:
 OFFSETS = ("y", "z", "rotation")
 
 
+class Slack(NamedTuple):
+    """What the error of its measurement may add to the offset of a door that stands at the very limit [m, rad]."""
+
+    position: float
+    rotation: float
+
+
+#: Of the camera alone: what is left of a picture's noise, for /door_localizer, which knows that it measured.
+CAMERA_SLACK = Slack(2e-5, 3.5e-4)
+#: Of any sensor, for the path generator, which does not know whose pose it has: the covariance of the touch probe, the
+#: worst of them, allows for 0.4 mm (docs/sensors.md), over points that are 0.2 m apart. No less than the camera's, or
+#: doors that the localizer let pass would be refused here.
+SENSOR_SLACK = Slack(5e-4, 2e-3)
+
+
 @dataclass(frozen=True)
 class PlacementLimits(Section):
     """Largest absolute door offset that the cell accepts: y, z [m], rotation [rad]."""
@@ -51,6 +67,13 @@ class PlacementLimits(Section):
     y: NotNegative
     z: NotNegative
     rotation: NotNegative
+
+    def beyond(self, offset: DoorOffset, slack: Slack) -> tuple[str, ...]:
+        """In which of `OFFSETS` a door stands further off than its limit and the slack of who measured it."""
+        slacks = (slack.position, slack.position, slack.rotation)
+        found = ((abs(getattr(offset, name)), getattr(self, name)) for name in OFFSETS)
+        pairs = zip(OFFSETS, found, slacks, strict=True)
+        return tuple(name for name, (off, limit), more in pairs if off - limit > more)
 
 
 @dataclass(frozen=True, eq=False)

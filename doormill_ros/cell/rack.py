@@ -8,11 +8,10 @@ from dataclasses import dataclass, replace
 from pydantic import StrictBool
 
 from doormill_ros.cell.errors import BadCellFile
+from doormill_ros.cell.rapid_limits import MAX_PLACES
 from doormill_ros.robot.bodies import Body
 from doormill_ros.robot.description import Joints
 from doormill_ros.values import Name, Positive, Section
-
-MOST_PLACES = 8  #: the arrays of rapid/DoorTool.mod
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,9 +81,9 @@ def check_rack(rack: Rack | None, where: str = "rack") -> Rack | None:
     """
     if rack is None:
         return None
-    if not 1 <= len(rack.places) <= MOST_PLACES:
+    if not 1 <= len(rack.places) <= MAX_PLACES:
         raise BadCellFile(
-            f"{where}.places holds {len(rack.places)} places, allowed are 1 to {MOST_PLACES}: name those with a tool"
+            f"{where}.places holds {len(rack.places)} places, allowed are 1 to {MAX_PLACES}: name those with a tool"
         )
     twice = _twice([place.tool for place in rack.places])
     if twice is not None:

@@ -28,7 +28,7 @@ def new_run_id() -> str:
 class StageLimits:
     """How long a run waits for each stage [s]."""
 
-    recipe: float = 5.0
+    recipe: float = 10.0
     picture: float = 10.0
     targets: float = 10.0
     request: float = 20.0

@@ -6,7 +6,7 @@ import numpy as np
 
 from doormill_ros.arrays import ByteArray, FloatArray, IntArray
 from doormill_ros.cell.clock import FUTURE
-from doormill_ros.cell.layout import DoorOffset, PlacementLimits
+from doormill_ros.cell.layout import CAMERA_SLACK, DoorOffset, PlacementLimits
 from doormill_ros.localization.camera import CameraModel
 from doormill_ros.localization.edge_points.blur import Spread
 from doormill_ros.localization.edge_points.profiles import WHITE, Profiles
@@ -247,23 +247,13 @@ def check_square(fit: CornerFit, streaks: dict[str, float], settings: LocalizerS
         )
 
 
-# A door at the very limit must not be lost to the noise of its measurement.
-_POSITION_MARGIN = 2e-5  # m
-_ROTATION_MARGIN = 3.5e-4  # rad
-
-
 def check_range(offset: DoorOffset, limits: PlacementLimits, sure: bool = True) -> None:
     """Whether the door stands where the cell accepts it; not `sure` where only a corner shows that may be another.
 
     Raises:
         OutOfRange: It does not.
     """
-    over = (
-        abs(offset.y) - limits.y > _POSITION_MARGIN,
-        abs(offset.z) - limits.z > _POSITION_MARGIN,
-        abs(offset.rotation) - limits.rotation > _ROTATION_MARGIN,
-    )
-    if any(over):
+    if limits.beyond(offset, CAMERA_SLACK):
         found = "the door stands" if sure else "the outermost corner that shows seems to stand"
         act = (
             "place it again"

@@ -48,6 +48,7 @@ from doormill_ros.nodes.bridge.expect_door import ExpectDoorServer
 from doormill_ros.nodes.bridge.spindle_watch import SPINDLE_PARAMETER, SpindleWatch
 from doormill_ros.nodes.convert.program import program_into
 from doormill_ros.nodes.milling.door_inspections import GAUGE_PARAMETER
+from doormill_ros.nodes.milling.limit_parameters import limit_parameters
 from doormill_ros.nodes.milling.mill_door import MillDoorServer
 from doormill_ros.nodes.process.run import run_nodes
 from doormill_ros.nodes.sensing.sensors_parameter import SENSORS_PARAMETER
@@ -100,22 +101,7 @@ class AbbBridge(ManagedNode):
             "the robot mills shares of doors: goals and the word to mill come from /door_shares",
         ),
         SENSORS_PARAMETER,
-        NodeParameter("limit.recipe", 10.0, "longest wait for the recipe [s]", 0.1, 600.0, live=True),
-        NodeParameter(
-            "limit.picture", 10.0, "longest wait for picture and door pose [s]", 0.1, 600.0, live=True
-        ),
-        NodeParameter("limit.targets", 10.0, "longest wait for the targets [s]", 0.1, 600.0, live=True),
-        NodeParameter(
-            "limit.request", 20.0, "longest wait for the controller's request [s]", 0.1, 3600.0, live=True
-        ),
-        NodeParameter(
-            "limit.ready",
-            10.0,
-            "longest wait for the file to be written and verified [s]",
-            0.1,
-            600.0,
-            live=True,
-        ),
+        *limit_parameters(at_start=("read", "milling")),  # those are the handshake's
         NodeParameter(
             "limit.answer",
             ANSWER,
@@ -124,23 +110,11 @@ class AbbBridge(ManagedNode):
             600.0,
         ),
         NodeParameter(
-            "limit.read", 60.0, "longest wait for the robot to read and check the file [s]", 1.0, 3600.0
-        ),
-        NodeParameter("limit.milling", 600.0, "longest wait for the end of milling [s]", 1.0, 36000.0),
-        NodeParameter(
             "limit.sign_of_life",
             LEASE,
             "a node of the cell without a sign of life for so long is dead; more on a slow machine [s]",
             LEASE,
             600.0,
-        ),
-        NodeParameter(
-            "limit.inspection",
-            180.0,
-            "longest wait for who measures the milled door, if anybody [s]",
-            0.1,
-            3600.0,
-            live=True,
         ),
         GAUGE_PARAMETER,
         SPINDLE_PARAMETER,

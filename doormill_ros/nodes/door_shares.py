@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import fields
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -15,7 +14,7 @@ from std_msgs.msg import Bool
 from doormill_interfaces.msg import DoorRecipe
 from doormill_ros.cell.errors import RunCutOffError
 from doormill_ros.cell.node_names import DOOR_SHARES
-from doormill_ros.cell.run import Run, StageLimits
+from doormill_ros.cell.run import Run
 from doormill_ros.messages.from_message import recipe_of
 from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.base.managed_node import ManagedNode
@@ -23,6 +22,7 @@ from doormill_ros.nodes.base.node_parameter import NodeParameter
 from doormill_ros.nodes.base.reporting_node import OK, WARN
 from doormill_ros.nodes.base.robots import ROBOTS
 from doormill_ros.nodes.milling.door_inspections import GAUGE_PARAMETER, DoorInspections
+from doormill_ros.nodes.milling.limit_parameters import limit_parameters
 from doormill_ros.nodes.milling.recipe_client import RecipeClient
 from doormill_ros.nodes.milling.run_server import RunServer, Tell
 from doormill_ros.nodes.milling.share_client import ShareClient
@@ -41,17 +41,7 @@ class DoorShares(ManagedNode):
         NodeParameter(
             "note", "out/targets", "folder that keeps a note of the run in hand, for after a restart"
         ),
-        *(
-            NodeParameter(
-                f"limit.{field.name}",
-                field.default,
-                f"longest wait of a robot for {field.name} [s]",
-                0.1,
-                36000.0,
-                live=True,
-            )
-            for field in fields(StageLimits)
-        ),
+        *limit_parameters(),
     )
 
     def __init__(self, **kwargs: Any) -> None:

@@ -8,6 +8,7 @@ from datetime import datetime
 from typing import Annotated, Any
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.cell.rapid_limits import MAX_FEATURES
 from doormill_ros.recipes import door as limits
 from doormill_ros.recipes.checks import check_geometry
 from doormill_ros.recipes.door import DoorSize, HingeSide, Material
@@ -34,7 +35,6 @@ from doormill_ros.recipes.tool import Tool
 from doormill_ros.values import Section
 
 SCHEMA = "doormill/recipe/1"
-MAX_FEATURES = 40
 BAR_CODE = TextPattern(re.compile(r"[\x21-\x7e]{1,64}"), "1 to 64 printable ASCII characters without blanks")
 AUTHOR = TextPattern(re.compile(r"[^\x00-\x1f\x7f]{0,100}"), "at most 100 printable characters")
 

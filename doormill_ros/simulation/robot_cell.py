@@ -99,7 +99,7 @@ class RobotCell:
         effects: What the robot hides, see `TruthRobot`.
         time_scale: Simulated over real seconds of motion; None for as fast as possible.
         spindle_works: False for a spindle that never comes to speed.
-        layout: The robot's rack and tool; None for those of config/cell.yaml.
+        layout: The robot's rack, tool and home; None for those of config/cell.yaml.
     """
 
     def __init__(

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TypeVar
+from typing import Annotated, TypeVar
 
 from pydantic.dataclasses import dataclass
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.cell.rapid_limits import MAX_TARGETS
 from doormill_ros.config import read
 from doormill_ros.frames import rotation_z, transform
 from doormill_ros.recipes.features.registry import time_budgets
 from doormill_ros.resources import resource
 from doormill_ros.toolpath.errors import PathSettingsError
-from doormill_ros.values import Count, Finite, NotNegative, Positive, Section, Vector3
+from doormill_ros.values import Count, Finite, FiniteNumber, NotNegative, Positive, Section, Vector3
 
 FORM = "config/toolpath.yaml"
 Kind = TypeVar("Kind", bound=type)
@@ -75,7 +76,7 @@ class Checks(Section):
     """Limits of the whole-door checks.
 
     Attributes:
-        targets: Most targets of a program.
+        targets: Most targets of a program; the controller keeps no more than `MAX_TARGETS`.
         tools: Most tools of a door that takes none of the rack.
         tool_length: How much longer or shorter than `approach.nose` a tool of the table may stand out [m].
         joint_margin: Distance kept from each joint limit [rad].
@@ -86,7 +87,9 @@ class Checks(Section):
         expected_error: Largest expected error of a wall [m].
     """
 
-    targets: Count
+    targets: Annotated[
+        int, FiniteNumber(f"a whole number from 1 to {MAX_TARGETS}", 1.0, MAX_TARGETS, whole=True)
+    ]
     tools: Count
     tool_length: Positive
     joint_margin: Positive

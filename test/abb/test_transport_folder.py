@@ -159,13 +159,13 @@ def test_a_full_disk_leaves_the_old_file_and_no_rest(
 def test_a_folder_that_hangs_ends_in_a_timeout_and_order_is_kept(tmp_path: Path) -> None:
     link = SimulatedFolderTransport(tmp_path, timeout=60.0)
     link._timeout = 0.2
-    os.mkfifo(tmp_path / "Hei2.txt")  # opening it blocks in the kernel, as a dead network share does
+    os.mkfifo(tmp_path / "Hei2.txt")  # opening it blocks in the kernel, as a disk that hangs does
     with pytest.raises(ReadTimeoutError):
         link.read_file("Hei2.txt")
     with pytest.raises(WriteTimeoutError):
         link.set_ready(True)
     link._timeout = 60.0
-    # The share comes back; what timed out behind the hanging call was never sent.
+    # The disk answers again; what timed out behind the hanging call was never sent.
     with open(tmp_path / "Hei2.txt", "wb"):
         pass
     link.set_ready(False)
@@ -223,7 +223,7 @@ def test_rests_of_a_killed_writer_are_removed(tmp_path: Path) -> None:
 
 
 def test_a_missing_folder_is_named(tmp_path: Path) -> None:
-    with pytest.raises(FolderMissingError, match="mount"):
+    with pytest.raises(FolderMissingError, match="start the simulated controller first"):
         SimulatedFolderTransport(tmp_path / "nowhere")
 
 

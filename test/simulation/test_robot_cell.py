@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import threading
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from doormill_ros.abb import signals
+from doormill_ros.cell.layout import load_layout
 from doormill_ros.robot.description import load_robot
 from doormill_ros.simulation.controller.arm import ControllerArm
 from doormill_ros.simulation.controller.io_port import FolderIo
@@ -52,6 +55,16 @@ def mill(cell: RobotCell, pc: Pc, run_id: str, data: bytes, door: str = DOOR) ->
     milled = run.execute()
     answering.join(LIMIT)
     return milled, run
+
+
+def test_the_robot_stands_where_the_cells_file_has_its_home(tmp_path: Path) -> None:
+    robot = load_robot("irb6600_175_255")
+    arm = ControllerArm(robot.dh, robot.lower, robot.upper, robot.max_velocity)
+    drawn_back = np.array([0.1, -0.6, 0.5, 0.2, 0.3, -0.1])
+    cell = RobotCell(tmp_path, arm, layout=replace(load_layout(), home=drawn_back))
+    assert cell.controller.q.tolist() == drawn_back.tolist()
+    cell.start(DOOR)
+    assert cell.controller.q.tolist() == drawn_back.tolist()
 
 
 def test_a_run_that_was_milled_is_refused_for_the_next_door_and_the_one_after(

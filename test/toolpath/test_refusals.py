@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import yaml
 
-from doormill_ros.abb.target_file import trailer as target_trailer
+from doormill_ros.cell.rapid_limits import MAX_TARGETS
 from doormill_ros.collision.sweep import contact_along
 from doormill_ros.collision.world import Mill, PlacedDoor, World
 from doormill_ros.frames import transform
@@ -205,7 +205,7 @@ def test_a_door_for_which_the_tool_would_have_to_be_changed(cell, recipe):
 
 
 def test_no_more_targets_than_the_rapid_module_keeps():
-    assert load_settings().checks.targets == target_trailer.MAX_TARGETS
+    assert load_settings().checks.targets == MAX_TARGETS
 
 
 def test_an_arc_that_no_movec_follows(cell, recipe):
@@ -352,7 +352,7 @@ def test_a_cycle_that_takes_too_long(cell, recipe):
     ("part", "key", "value"),
     [("correction", "limit", -1.0), ("approach", "retreats", [0.1, "far"]), ("checks", "wrist", float("nan")),
      ("cycle", "total", None), ("second_robot", "position", [1.0, 2.0]), ("correction", "colour", 1.0),
-     ("cycle", "slots", 5.0), ("cycle", "hinges", "long"), ("cycle", "hole_side", None)],
+     ("cycle", "slots", 5.0), ("cycle", "hinges", "long"), ("cycle", "hole_side", None), ("checks", "targets", 2001)],
 )  # fmt: skip
 def test_settings_that_cannot_be(tmp_path, part, key, value):
     document = yaml.safe_load(resource("config/toolpath.yaml").read_text(encoding="utf-8"))

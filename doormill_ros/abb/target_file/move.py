@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from doormill_ros.abb.errors import AbbError, TargetProgramError
+from doormill_ros.cell.rapid_limits import MAX_PLACES
 from doormill_ros.toolpath.program import Motion, MotionKind
 from doormill_ros.units import RPM, m_to_mm, mm_to_m
 
@@ -43,7 +44,6 @@ _KINDS = {
 }
 #: Kinds that end at a point of joint space, and those among them that name a place of the rack.
 _AT_POINTS, _AT_RACK = "APTM", "PTM"
-MAX_PLACES = 8  #: places of the rack that the RAPID module knows
 _KIND_OF = {letter: kind for kind, letter in _KINDS.items()}
 _NUMBER = r"(\d{1,5}(?:\.\d{1,3})?)"
 _MOVE = re.compile(

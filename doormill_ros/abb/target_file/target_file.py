@@ -24,15 +24,12 @@ from doormill_ros.abb.target_file.checksum import checksum
 from doormill_ros.abb.target_file.line import TargetLine, format_lines, parse_lines
 from doormill_ros.abb.target_file.trailer import (
     MARK,
-    MAX_FEATURES,
-    MAX_MOTIONS,
-    MAX_POINTS,
-    MAX_TARGETS,
     Trailer,
     TrailerReader,
     format_trailer,
 )
 from doormill_ros.arrays import FloatArray
+from doormill_ros.cell.rapid_limits import MAX_FEATURES, MAX_MOTIONS, MAX_POINTS, MAX_TARGETS
 from doormill_ros.files import ReadBackError, write_atomically
 from doormill_ros.toolpath.program import MillingProgram, Motion
 

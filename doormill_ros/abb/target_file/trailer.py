@@ -42,18 +42,13 @@ from doormill_ros.abb.errors import (
 from doormill_ros.abb.target_file.line import RAPID_STRING, SEPARATOR
 from doormill_ros.abb.target_file.move import Ends, Mistake, format_move, parse_move, plain_number
 from doormill_ros.arrays import FloatArray
+from doormill_ros.cell.rapid_limits import MAX_ESCAPE, MAX_FEATURES, MAX_MOTIONS, MAX_POINTS, MAX_TARGETS
 from doormill_ros.robot.chain import JOINTS
 from doormill_ros.toolpath.program import Motion
 from doormill_ros.units import deg_to_rad, rad_to_deg
 
 MARK = "#"
 VERSION = 2
-#: Array sizes of the RAPID module.
-MAX_TARGETS = 2000
-MAX_MOTIONS = 2000
-MAX_FEATURES = 40
-MAX_POINTS = 500
-MAX_ESCAPE = 20  #: points of one way home
 #: What a name must not hold: the separator of targets, and what ends or escapes a RAPID string.
 FORBIDDEN = {SEPARATOR, '"', "\\"}
 

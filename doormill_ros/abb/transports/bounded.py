@@ -1,4 +1,4 @@
-"""Run calls that may hang (a dead network share) one after the other, each with a time limit."""
+"""Run calls that may hang (a dead network, a disk that does not answer) one after the other, each with a time limit."""
 
 from __future__ import annotations
 

@@ -43,8 +43,9 @@ T = TypeVar("T")
 
 LOCK_FILE = ".doormill_ros.lock"
 LEFT_OVER = ".doormill-tmp"  # ends the name of a file that a killed bridge was writing
-# A reader on another machine can meet the instant between truncation and content when the other side
-# does not replace its signal file; that passes within a few milliseconds.
+_LOOK = "see that this user may read and write the simulated cell's folder"
+# A reader can meet the instant between truncation and content when the other side does not replace its
+# signal file; that passes within a few milliseconds.
 _TORN_READS = 5
 _TORN_PAUSE = 0.002
 
@@ -52,8 +53,8 @@ _TORN_PAUSE = 0.002
 class SimulatedFolderTransport:
     """Signals and target files in one folder; see `Transport` for the operations.
 
-    Calls run on one worker thread in order, because a dead network share blocks in the kernel where
-    no timeout reaches. As they cannot overtake each other nothing stays in doubt once a later one
+    Calls run on one worker thread in order, because a disk that hangs blocks in the kernel where no
+    timeout reaches. As they cannot overtake each other nothing stays in doubt once a later one
     succeeds, hence `in_doubt_time` is 0.
     """
 
@@ -136,7 +137,7 @@ class SimulatedFolderTransport:
         self._bounded(lambda: _remove(path), WriteTimeoutError, f"removing {name}")
 
     def wait(self, timeout: float) -> None:
-        """Sleep for one polling interval: network shares tell nobody about changes."""
+        """Sleep for one polling interval: the simulated controller tells nobody about changes."""
         self._woken.wait(max(0.0, min(timeout, self._poll_interval)))
         self._woken.clear()
 
@@ -158,7 +159,7 @@ class SimulatedFolderTransport:
         except CallTimeout:
             raise timeout_error(
                 f"{doing} in simulated folder {self._folder} took longer than {self._timeout:g} s; "
-                "check the network share",
+                "see what keeps the disk busy, or give the simulated cell a folder on a local one",
                 folder=str(self._folder),
                 timeout=self._timeout,
             ) from None
@@ -166,8 +167,8 @@ class SimulatedFolderTransport:
     def _open(self) -> None:
         if not self._folder.is_dir():
             raise FolderMissingError(
-                f"simulated folder {self._folder} does not exist; mount the controller's HOME folder there "
-                "or correct the path",
+                f"simulated folder {self._folder} does not exist; start the simulated controller first, which makes "
+                "it (home of /controller_simulator), correct the path, or name the transport of a real controller",
                 folder=str(self._folder),
             )
         try:
@@ -231,12 +232,12 @@ class SimulatedFolderTransport:
                 if self._io.is_dir():
                     return None
                 raise SignalReadError(
-                    f"signal {name} cannot be read: {self._io} is gone; mount the simulated folder again",
+                    f"signal {name} cannot be read: {self._io} is gone; start the simulated cell again",
                     signal=name,
                 ) from None
             except OSError as error:
                 raise SignalReadError(
-                    f"signal {name} cannot be read: {error.strerror} ({path}); check the share",
+                    f"signal {name} cannot be read: {error.strerror} ({path}); {_LOOK}",
                     signal=name,
                 ) from error
             if whole(content):
@@ -259,13 +260,12 @@ class SimulatedFolderTransport:
 
     def _replace(self, path: Path, data: bytes) -> None:
         try:
-            # Not flushed to the medium: after a power cut nobody reads a stale file, because a start
-            # clears; and network file systems report a full disk when the file is closed.
+            # Not flushed to the medium: after a power cut nobody reads a stale file, because a start clears.
             write_atomically(path, data, suffix=LEFT_OVER)
         except OSError as error:
             cause = "the disk is full" if error.errno in (errno.ENOSPC, errno.EDQUOT) else error.strerror
             raise UploadError(
-                f"{path} cannot be written ({len(data)} bytes): {cause}; free space or check the share",
+                f"{path} cannot be written ({len(data)} bytes): {cause}; free space, or {_LOOK}",
                 path=str(path),
                 errno=error.errno,
             ) from error
@@ -281,7 +281,7 @@ def _lock(descriptor: int, folder: Path) -> None:
             folder=str(folder),
         ) from None
     except OSError as error:
-        # Some network file systems know no locks; the handshake's own checks still hold there.
+        # Some file systems know no locks; the handshake's own checks still hold there.
         if error.errno not in (errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL):
             raise
 
@@ -292,9 +292,7 @@ def _read(path: Path) -> bytes:
     except FileNotFoundError:
         raise FileMissingError(f"{path} does not exist; write it first", path=str(path)) from None
     except OSError as error:
-        raise DownloadError(
-            f"{path} cannot be read: {error.strerror}; check the share", path=str(path)
-        ) from error
+        raise DownloadError(f"{path} cannot be read: {error.strerror}; {_LOOK}", path=str(path)) from error
 
 
 def _remove(path: Path) -> None:

@@ -32,12 +32,9 @@ from doormill_ros.simulation.controller.task_machine import LogEntry, TaskMachin
 from doormill_ros.simulation.controller.teach_pendant import TeachPendant
 from doormill_ros.simulation.controller.tool_rack import ToolRack
 from doormill_ros.simulation.truth.robot import TruthRobot
-from doormill_ros.units import deg_to_rad
 
 #: PERS of DoorLink.mod that names the door in the cell.
 EXPECTED_DOOR = "expectedDoor"
-#: Where the robot stands when the controller is switched on: the home position of DoorCell.mod.
-HOME_POSITION = deg_to_rad(np.array([0.0, -40.0, 30.0, 0.0, 10.0, 0.0]))
 
 
 class VirtualController(TaskMachine):
@@ -64,7 +61,7 @@ class VirtualController(TaskMachine):
         process: Process | None = None,
         sampling: Sampling | None = None,
         limits: ControllerLimits | None = None,
-        start: FloatArray = HOME_POSITION,
+        start: FloatArray | None = None,
         T_flange_tool: FloatArray | None = None,
         layout: CellLayout | None = None,
         expected_door: str | None = None,
@@ -85,9 +82,9 @@ class VirtualController(TaskMachine):
             process: Which motions cut and how hard; None cuts air with the project's own module.
             sampling: How finely the executed path is recorded.
             limits: What is refused of motions; None for config/controller.yaml.
-            start: Joint angles at the start, shape (6,) [rad].
+            start: Joint angles at the start, shape (6,) [rad]; None for the layout's home.
             T_flange_tool: The tool that is really mounted, shape (4, 4); None for the cell's.
-            layout: The robot's rack and tool; None for those of config/cell.yaml.
+            layout: The robot's rack, tool and home; None for those of config/cell.yaml.
             expected_door: Door that stands in the cell, "*" for any; None leaves the module's value.
             time_scale: Simulated over real seconds for motions; None for as fast as possible.
             patience: Longest wait for a signal or a start [s] before the program is ended; None for ever.
@@ -118,6 +115,7 @@ class VirtualController(TaskMachine):
         self.panel = ControlPanel(self.log)
         self._T_flange_tool = layout.T_flange_tool if T_flange_tool is None else T_flange_tool
         limits = limits or load_limits()
+        start = layout.home if start is None else start
         self._engine = MotionEngine(arm, start, self._T_flange_tool, sampling or Sampling(), self.log, limits)
         self._planner = MovePlanner(arm, self.log, limits)
         self._on_time = on_time

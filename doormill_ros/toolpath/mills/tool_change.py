@@ -10,6 +10,7 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CellLayout
 from doormill_ros.cell.rack import Rack, RackPlace
+from doormill_ros.cell.rapid_limits import MAX_POINTS
 from doormill_ros.collision.joint_way import joint_way
 from doormill_ros.collision.sweep import Contact, bulge_of, contact_along
 from doormill_ros.collision.world import MILL, World
@@ -23,7 +24,6 @@ from doormill_ros.toolpath.errors import NoWayError, ProgramSizeError
 from doormill_ros.toolpath.mills.waiting_tools import NO_TOOL, beside_rack, tool_name
 from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target
 from doormill_ros.toolpath.settings import PathSettings
-from doormill_ros.toolpath.targets.assemble import MOST_POINTS
 
 SEAT_SAMPLES = 21  #: postures between the front of a place and its seat
 
@@ -191,13 +191,13 @@ def joined(programs: Sequence[tuple[int, MillingProgram]], ways: RackWays) -> Mi
             points.append(ways.layout.home)
     if carried:
         change(0)
-    if len(points) > MOST_POINTS:
+    if len(points) > MAX_POINTS:
         raise ProgramSizeError(
-            f"the program with its tool changes has {len(points)} points of joint space, allowed are {MOST_POINTS}; "
+            f"the program with its tool changes has {len(points)} points of joint space, allowed are {MAX_POINTS}; "
             "mill the door in several runs",
             feature="",
             found=len(points),
-            allowed=MOST_POINTS,
+            allowed=MAX_POINTS,
         )
     last = programs[-1][1]
     return MillingProgram(

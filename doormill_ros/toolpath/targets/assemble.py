@@ -8,6 +8,7 @@ from itertools import count
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.cell.rapid_limits import MAX_POINTS
 from doormill_ros.correction.loaded_robot import LoadedRobot
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.description import Robot
@@ -19,8 +20,6 @@ from doormill_ros.toolpath.settings import PathSettings
 from doormill_ros.toolpath.stations import Stations
 from doormill_ros.toolpath.targets.corrected_targets import corrected_targets
 from doormill_ros.toolpath.targets.itinerary import Itinerary, itinerary
-
-MOST_POINTS = 500  #: points of joint space that a controller keeps
 
 
 def assembled(
@@ -82,14 +81,14 @@ def _points(plan: Plan, end: FloatArray) -> list[FloatArray]:
 
 
 def _check_points(points: Sequence[FloatArray], plan: Plan) -> None:
-    if len(points) > MOST_POINTS:
+    if len(points) > MAX_POINTS:
         most = max(plan.steps, key=lambda step: len(step.points))
         raise ProgramSizeError(
             f"{most.feature or 'the way home'}: the program has {len(points)} points of joint space, allowed are "
-            f"{MOST_POINTS}; mill the door in several runs",
+            f"{MAX_POINTS}; mill the door in several runs",
             feature=most.feature,
             found=len(points),
-            allowed=MOST_POINTS,
+            allowed=MAX_POINTS,
         )
 
 

@@ -19,6 +19,7 @@ from doormill_ros.abb.target_file import checksum
 from doormill_ros.abb.target_file import line as target_line
 from doormill_ros.abb.target_file import move as target_move
 from doormill_ros.abb.target_file import trailer as target_trailer
+from doormill_ros.cell import rapid_limits
 from doormill_ros.resources import resource
 from doormill_ros.simulation.controller.event_routines import read_event_routines
 from doormill_ros.simulation.controller.installed import OWN_MODULES
@@ -145,11 +146,14 @@ def test_module_and_python_agree_on_every_limit(machine):
     read = RapidProgram(list(MODULES.values()), machine).read
     assert read("TARGET_FILE") == TARGET_FILE
     assert read("FILE_VERSION") == target_trailer.VERSION
-    assert read("MAX_TARGETS") == target_trailer.MAX_TARGETS == len(read("targets"))
-    assert read("MAX_MOVES") == target_trailer.MAX_MOTIONS == len(read("moves"))
-    assert read("MAX_FEATURES") == target_trailer.MAX_FEATURES == len(read("features"))
-    assert read("MAX_POINTS") == target_trailer.MAX_POINTS == len(read("points"))
-    assert read("MAX_ESCAPE") == target_trailer.MAX_ESCAPE == len(read("escape"))
+    assert read("MAX_TARGETS") == rapid_limits.MAX_TARGETS == len(read("targets"))
+    assert read("MAX_MOVES") == rapid_limits.MAX_MOTIONS == len(read("moves"))
+    assert read("MAX_FEATURES") == rapid_limits.MAX_FEATURES == len(read("features"))
+    assert read("MAX_POINTS") == rapid_limits.MAX_POINTS == len(read("points"))
+    assert read("MAX_ESCAPE") == rapid_limits.MAX_ESCAPE == len(read("escape"))
+    assert (
+        read("MAX_PLACES") == rapid_limits.MAX_PLACES == len(read("rackFronts")) == len(read("toolLengths"))
+    )
     assert read("MAX_SPEED") == pytest.approx(target_move.MAX_SPEED * 1e3)
     assert read("MAX_SPINDLE_SPEED") == pytest.approx(target_move.MAX_SPINDLE_SPEED * 60 / 6.283185307)
     assert read("UNIT_TOLERANCE") == pytest.approx(target_line.NORM_TOLERANCE)
