@@ -10,7 +10,7 @@ from doormill_ros.cell.errors import BadParameterError
 from doormill_ros.cell.gauged import note_gauged
 from doormill_ros.cell.run_folder import RunFolder, ShiftFolder
 
-GAUGED = "schema: doormill/inspection/1\nrun_id: r0\nbag: ../bag\nnoise: 1.0e-05\ndatum: camera\n"
+GAUGED = "schema: doormill/inspection/1\nrun_id: r0\nbag: beside\nnoise: 1.0e-05\ndatum: camera\n"
 #: As a gauge in a workshop may have it; the words of the last one are the simulated one's.
 MEASURED = GAUGED.replace("1.0e-05", "5.0e-06"), GAUGED.replace("r0", "r1")
 POINTS = "feature,surface\n"
@@ -46,7 +46,7 @@ def milled_alone(root: Path) -> RunFolder:
     """What a run by itself leaves, whose page has questioned doors."""
     milled(root)
     write(root / "controller" / "HOME", Hei2_old="")
-    gauged(root, root / "inspections" / "doors" / "r0", GAUGED.replace("../bag", "../../../bag"))
+    gauged(root, root / "inspections" / "doors" / "r0", GAUGED.replace("beside", "elsewhere"))
     write(root / "models", models_json="{}")
     return RunFolder(root)
 
