@@ -27,7 +27,7 @@ from doormill_ros.localization.rims.rim import (
     suspicious,
     wide_and_dark,
 )
-from doormill_ros.localization.rims.rounded import Rounded, find_rounded, like_other
+from doormill_ros.localization.rims.rounded import both_rounded, find_rounded
 from doormill_ros.localization.search.edge_line import EdgeLine, meet
 from doormill_ros.localization.search.layers import choose
 from doormill_ros.localization.search.neighbourhood import WIDE_HALF, Neighbourhood
@@ -70,6 +70,7 @@ class _Seen:
         self.picture, self.view, self.read = picture, view, read
         self.rim: Rim | None = None
         self._wide: Spread | None = None
+        self._wide_profile: Profile | None = None
 
     def wide(self) -> Spread:
         """The rows laid over each other in wide windows.
@@ -119,7 +120,9 @@ class _Seen:
 
     def profile(self) -> Profile:
         """That of wide windows."""
-        return self._profile(self.wide())
+        if self._wide_profile is None:
+            self._wide_profile = self._profile(self.wide())
+        return self._wide_profile
 
     def look_closer(self) -> None:
         """Look for a dark arris where no rim was seen, and place one that was seen as well as it can be."""
@@ -254,20 +257,13 @@ def _look_for_arrises(view: FaceView, seen: dict[str, _Seen]) -> None:
 def _look_for_rounded(view: FaceView, seen: dict[str, _Seen]) -> None:
     """Look for rounded arrises: both edges were rounded together."""
     pixel = view.pixel
-    dark = {edge: one for edge, one in seen.items() if one.may_be_rounded(pixel)}
-    found: dict[str, Rounded] = {}
-    for edge, one in dark.items():
-        rounded = find_rounded(one.profile(), one.rim, pixel) if one.odd else None
-        if rounded is not None:
-            found[edge] = rounded
-    placed = dict(found)
-    for edge, other in ((HINGE, BOTTOM), (BOTTOM, HINGE)):
-        if edge in dark and other in found:
-            rounded = like_other(dark[edge].profile(), found[other], pixel)
-            if rounded is not None:
-                placed[edge] = rounded
-    for edge, rounded in placed.items():
-        seen[edge].rim = rounded.rim(seen[edge].profile())
+    leaves = {edge: one for edge, one in seen.items() if one.may_be_rounded(pixel)}
+    looks = {edge: find_rounded(one.profile(), one.rim, pixel) for edge, one in leaves.items() if one.odd}
+    found = {edge: rounded for edge, rounded in looks.items() if rounded is not None}
+    if found:
+        profiles = {edge: one.profile() for edge, one in leaves.items()}
+        for edge, rim in both_rounded(found, profiles, pixel).items():
+            seen[edge].rim = rim
 
 
 def _inside_of_rims(picture: ByteArray, view: FaceView, seen: dict[str, _Seen]) -> dict[str, bool]:

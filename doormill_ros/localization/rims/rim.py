@@ -132,8 +132,9 @@ def check_placed(edge: str, rim: Rim, pixel: float) -> None:
         WrongEdge: It is not.
     """
     if rim.deviation > _PLACED:
+        what = "a rounded arris" if rim.rounded else "a rim"
         raise WrongEdge(
-            f"the {edge} edge is not one step from face to background: a rim lies along it, whose outer border is "
+            f"the {edge} edge is not one step from face to background: {what} lies along it, whose outer border is "
             f"known to {m_to_mm(min(rim.deviation * pixel, 1e-3)):.2f} mm only, allowed are "
             f"{m_to_mm(_PLACED * pixel):.2f} mm; clean the edge, change the light or switch the camera's "
             "sharpening off",
