@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from math import isfinite
 
 import numpy as np
@@ -45,6 +46,7 @@ _WIDTHS = (1.6, 3.0)  # px that fits begin with
 _THINNEST = 0.3  # px; narrower ones are one step
 _WIDEST = 1.05 * NARROW  # m
 _SHARPEST = 0.25  # px
+_BLUR_STEP = 0.05  # px between blurs for which shapes are kept
 _SAME_WIDTH, _SAME_BLUR = 0.12, 0.04  # by how much two edges differ, as shares
 _PARAMETERS = 6
 
@@ -157,20 +159,27 @@ def both_rounded(
 
 def _leaning(profile: Profile) -> float:
     """Squared deviations that a slope towards the inside may explain beyond a step that is spread evenly."""
-    mean, blur = profile.mean, profile.spread.blur
-    place, near = bin_places(mean.size), 0.1 * blur
-    step = blurred_step(place, blur)
-    plain = [np.ones_like(place), step, blurred_step(place - near, blur), blurred_step(place, blur + near)]
-    # With nothing left at its end a slope spreads a step evenly.
-    tried = [(0.0, _starts(profile, 0.0, None)[-1])]
-    tried += [(left, start) for left in _SHARES for start in _starts(profile, left, None)]
-    slopes = [RoundedStep(mean.size, left).at(start.tolist())[1] for left, start in tried]
-    columns = profile.whiten @ np.array([*plain, *slopes, mean]).T
-    known = len(plain) + 1
+    plain, slopes = _shapes(profile.mean.size, round(profile.spread.blur / _BLUR_STEP) * _BLUR_STEP)
+    known = len(plain)
+    columns = profile.whiten @ np.vstack((plain, slopes, profile.mean)).T
     basis, _ = np.linalg.qr(columns[:, :known])
     rest = columns[:, known:] - basis @ (basis.T @ columns[:, known:])
     along, own = rest[:, :-1].T @ rest[:, -1], np.square(rest[:, :-1]).sum(axis=0)
     return float(np.max(np.maximum(along, 0.0) ** 2 / own))
+
+
+@lru_cache(maxsize=64)
+def _shapes(size: int, blur: float) -> tuple[FloatArray, FloatArray]:
+    """What spreads a step evenly, shape (k, m), and rounded arrises as soft as it, shape (n, m)."""
+    place, near = bin_places(size), 0.1 * blur
+    plain = [np.ones_like(place), blurred_step(place, blur)]
+    plain += [blurred_step(place - near, blur), blurred_step(place, blur + near)]
+    # With nothing left at its end a slope spreads a step evenly.
+    plain.append(RoundedStep(size, 0.0).at(_starts(blur, 0.0, None)[-1].tolist())[1])
+    slopes = [(left, start) for left in _SHARES for start in _starts(blur, left, None)]
+    return np.array(plain), np.array(
+        [RoundedStep(size, left).at(start.tolist())[1] for left, start in slopes]
+    )
 
 
 def _scanned(profile: Profile, pixel: float, known: Known | None = None) -> Rounded | None:
@@ -184,7 +193,7 @@ def _scanned(profile: Profile, pixel: float, known: Known | None = None) -> Roun
         for number in way:
             start = fits[before].places
             if known is None and start[1] < _THINNEST:
-                start = _starts(profile, left[number], None)[0]
+                start = _starts(profile.spread.blur, left[number], None)[0]
             else:
                 start = start + np.array([0.5 * start[1] * (left[before] - left[number]), 0.0, 0.0])
             fits[number] = fit_rounded(mean, whiten, start, left[number], known)
@@ -206,21 +215,21 @@ def _scanned(profile: Profile, pixel: float, known: Known | None = None) -> Roun
 def _first(profile: Profile, known: Known | None) -> StepFit:
     """The fit that the others begin with."""
     left = float(_LEFT[_FIRST])
-    starts = _starts(profile, left, known)
+    starts = _starts(profile.spread.blur, left, known)
     fits = [fit_rounded(profile.mean, profile.whiten, start, left, known) for start in starts]
     return min(fits, key=lambda fit: (fit.places[1] < _THINNEST, fit.misfit))
 
 
-def _starts(profile: Profile, left: float, known: Known | None) -> list[FloatArray]:
-    """Places that are as soft as the profile, shape (3,) each [px]."""
+def _starts(blur: float, left: float, known: Known | None) -> list[FloatArray]:
+    """Places that are as soft as one step of that blur, shape (3,) each [px]."""
     if known is not None:
-        _, width, blur = known.places
-        return [np.array([0.5 * width * (1.0 - left), width, blur])]
+        _, width, sharp = known.places
+        return [np.array([0.5 * width * (1.0 - left), width, sharp])]
     share = 1.0 - left
     # Square of what the slope adds to the blur, as a share of that of its width.
     spread = share / 3.0 - share**2 / 4.0
     return [
-        np.array([0.5 * width * share, width, np.sqrt(max(profile.spread.blur**2 - spread * width**2, 0.3))])
+        np.array([0.5 * width * share, width, np.sqrt(max(blur**2 - spread * width**2, 0.3))])
         for width in _WIDTHS
     ]
 
