@@ -75,6 +75,7 @@ def test_what_thins_out_evenly_is_no_disc():
         step_models.TwoSteps(47),
         step_models.SpreadStep(47, step_models.DISC, 2),
         step_models.SpreadStep(47, step_models.RAMP, 3),
+        step_models.RoundedStep(47, 0.3),
     ],
 )
 def test_slopes_are_those_of_the_columns(model):

@@ -1,4 +1,4 @@
-"""One or two blurred steps, and one that is spread by a disc or evenly: profiles and their derivatives."""
+"""One or two blurred steps, one spread by a disc or evenly, one over a rounded arris: profiles and derivatives."""
 
 from __future__ import annotations
 
@@ -136,3 +136,41 @@ class SpreadStep(_Steps):
     @property
     def _shares(self) -> FloatArray:
         return np.array((self._share, self._share * _NODES))
+
+
+class RoundedStep(_Steps):
+    """A slope that falls evenly, and at its end what is left of the step; p is its end, its width and the blur [px]."""
+
+    blur_at = 2
+
+    def __init__(self, size: int, left: float) -> None:
+        """Of `left`, what the end of the slope has of the whole step."""
+        super().__init__(size, 3)
+        self._left = left
+        self._both = np.empty((2, size))
+
+    def at(self, p: list[float]) -> FloatArray:
+        """Level and step for p, shape (count, m), which the next call overwrites."""
+        outer, inner = self._both
+        np.subtract(self._place, p[0], out=outer)
+        np.add(outer, p[1], out=inner)
+        self._width = p[1]
+        self._ends = self._blurred(self._both, p[2])
+        self._bells = np.exp(-0.5 * self._scaled * self._scaled)
+        self._bells *= _NORMAL
+        # Steps that lie side by side are the difference of two integrals of one.
+        integrals = self._sigma * (self._scaled * self._ends + self._bells)
+        self._slope = (integrals[1] - integrals[0]) / p[1]
+        self.columns[1] = self._left * self._ends[0] + (1.0 - self._left) * self._slope
+        return self.columns
+
+    def slopes(self, heights: list[float]) -> FloatArray:
+        """Derivatives of the profile at the last `at` by level, heights and places, shape (count + k, m)."""
+        ends, bells, scaled, sigma = self._ends, self._bells, self._scaled, self._sigma
+        step, slope = self._left * heights[0], (1.0 - self._left) * heights[0] / self._width
+        rows = self.jacobian[2:]
+        rows[0] = (-step / sigma) * bells[0] - slope * (ends[1] - ends[0])
+        rows[1] = slope * (ends[1] - self._slope)
+        rows[2] = (-step / sigma) * scaled[0] * bells[0] + slope * (bells[1] - bells[0])
+        rows[2] *= self._spread
+        return self.jacobian

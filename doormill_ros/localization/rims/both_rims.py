@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
@@ -26,6 +27,7 @@ from doormill_ros.localization.rims.rim import (
     suspicious,
     wide_and_dark,
 )
+from doormill_ros.localization.rims.rounded import both_rounded, find_rounded
 from doormill_ros.localization.search.edge_line import EdgeLine, meet
 from doormill_ros.localization.search.layers import choose
 from doormill_ros.localization.search.neighbourhood import WIDE_HALF, Neighbourhood
@@ -68,6 +70,7 @@ class _Seen:
         self.picture, self.view, self.read = picture, view, read
         self.rim: Rim | None = None
         self._wide: Spread | None = None
+        self._wide_profile: Profile | None = None
 
     def wide(self) -> Spread:
         """The rows laid over each other in wide windows.
@@ -117,7 +120,9 @@ class _Seen:
 
     def profile(self) -> Profile:
         """That of wide windows."""
-        return self._profile(self.wide())
+        if self._wide_profile is None:
+            self._wide_profile = self._profile(self.wide())
+        return self._wide_profile
 
     def look_closer(self) -> None:
         """Look for a dark arris where no rim was seen, and place one that was seen as well as it can be."""
@@ -126,8 +131,18 @@ class _Seen:
         if self.rim is not None:
             if self.rim.brightness < 0 and not wide_and_dark(self.rim, self.view.pixel):
                 self.rim = self.profile().placed(self.rim, self.view.pixel)
-        elif self._profile(self.read.beside.spread).odd(HINT):
+        elif self.odd:
             self.rim = self.profile().find(self.view.pixel)
+
+    @cached_property
+    def odd(self) -> bool:
+        """Whether some of its rows show more than one step."""
+        return self.rim is not None or self._profile(self.read.beside.spread).odd(HINT)
+
+    def may_be_rounded(self, pixel: float) -> bool:
+        """Whether what was found of it leaves open that its arris is rounded; `pixel` is the size of one [m]."""
+        dark = self.rim is None or (self.rim.brightness < 0 and not wide_and_dark(self.rim, pixel))
+        return dark and not self.ragged
 
     def look(self, sharp: float | None = None) -> None:
         """Look for a rim; see `find_rim`."""
@@ -229,13 +244,26 @@ def _look_for_arrises(view: FaceView, seen: dict[str, _Seen]) -> None:
     pixel = view.pixel
     for one in seen.values():
         one.look_closer()
+    _look_for_rounded(view, seen)
     for edge, other in ((HINGE, BOTTOM), (BOTTOM, HINGE)):
         rim, own = seen[other].rim, seen[edge].rim
-        if rim is None or rim.brightness > 0 or wide_and_dark(rim, pixel) or seen[edge].ragged:
+        if rim is None or rim.brightness > 0 or rim.rounded or wide_and_dark(rim, pixel) or seen[edge].ragged:
             continue
         # Streaks may make a rim of it that no lens as sharp would show.
         if own is None or (own.brightness > 0 and softer(own.blur, rim.blur)):
             seen[edge].rim = seen[edge].profile().like(edge, rim, pixel)
+
+
+def _look_for_rounded(view: FaceView, seen: dict[str, _Seen]) -> None:
+    """Look for rounded arrises: both edges were rounded together."""
+    pixel = view.pixel
+    leaves = {edge: one for edge, one in seen.items() if one.may_be_rounded(pixel)}
+    looks = {edge: find_rounded(one.profile(), one.rim, pixel) for edge, one in leaves.items() if one.odd}
+    found = {edge: rounded for edge, rounded in looks.items() if rounded is not None}
+    if found:
+        profiles = {edge: one.profile() for edge, one in leaves.items()}
+        for edge, rim in both_rounded(found, profiles, pixel).items():
+            seen[edge].rim = rim
 
 
 def _inside_of_rims(picture: ByteArray, view: FaceView, seen: dict[str, _Seen]) -> dict[str, bool]:

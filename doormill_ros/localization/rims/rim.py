@@ -47,6 +47,7 @@ class Rim:
         blur: Standard deviation of the point spread [px].
         misfit: RMS difference of the mean profile from the two steps, as a share of their sum.
         gap: Whether what lies beyond differs from the face the other way round: then it is a gap before another thing.
+        rounded: Whether it darkens evenly from the face to its outer border; see `rounded.py`.
     """
 
     shift: float
@@ -56,6 +57,7 @@ class Rim:
     blur: float
     misfit: float
     gap: bool = False
+    rounded: bool = False
 
 
 def suspicious(spread: Spread, streaks: float) -> bool:
@@ -120,7 +122,7 @@ def _symmetric(spread: Spread, weight: FloatArray) -> float:
 
 def wide_and_dark(rim: Rim, pixel: float) -> bool:
     """Whether a rim may as well lie behind the face: too wide for an arris, and no polished one."""
-    return rim.brightness < 0 and rim.width * pixel > NARROW
+    return rim.brightness < 0 and rim.width * pixel > NARROW and not rim.rounded
 
 
 def check_placed(edge: str, rim: Rim, pixel: float) -> None:
@@ -130,8 +132,9 @@ def check_placed(edge: str, rim: Rim, pixel: float) -> None:
         WrongEdge: It is not.
     """
     if rim.deviation > _PLACED:
+        what = "a rounded arris" if rim.rounded else "a rim"
         raise WrongEdge(
-            f"the {edge} edge is not one step from face to background: a rim lies along it, whose outer border is "
+            f"the {edge} edge is not one step from face to background: {what} lies along it, whose outer border is "
             f"known to {m_to_mm(min(rim.deviation * pixel, 1e-3)):.2f} mm only, allowed are "
             f"{m_to_mm(_PLACED * pixel):.2f} mm; clean the edge, change the light or switch the camera's "
             "sharpening off",

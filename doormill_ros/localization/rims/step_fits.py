@@ -14,7 +14,14 @@ from scipy.linalg.lapack import dposv
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.localization.edge_points.step_grid import RIDGE
-from doormill_ros.localization.edge_points.step_models import DISC, RAMP, OneStep, SpreadStep, TwoSteps
+from doormill_ros.localization.edge_points.step_models import (
+    DISC,
+    RAMP,
+    OneStep,
+    RoundedStep,
+    SpreadStep,
+    TwoSteps,
+)
 
 _ENOUGH = 1.0e-5  # a fit ends where its squares fall by less, as a share
 _DAMPED = 1.0e-3
@@ -28,13 +35,18 @@ class StepFit:
         places: Shift of the outer step [px], and what else the model has; see `fit_one`, `fit_disc` and `fit_two`.
         heights: Of the steps as shares of the edge's, shape (1,) or (2,).
         misfit: RMS of the weighted residuals, what is known of the blur among them.
-        deviation: Standard deviation of the shift where the weights are those of the errors [px].
+        covariance: Of the places where the weights are those of the errors, shape (k, k); infinite where it is open.
     """
 
     places: FloatArray
     heights: FloatArray
     misfit: float
-    deviation: float
+    covariance: FloatArray
+
+    @property
+    def deviation(self) -> float:
+        """Standard deviation of the shift where the weights are those of the errors [px]."""
+        return sqrt(max(float(self.covariance[0, 0]), 0.0))
 
 
 def fit_one(profile: FloatArray, weight: FloatArray, blur: float, sharp: Sharp | None = None) -> StepFit:
@@ -64,12 +76,38 @@ def fit_two(
     return _descend(TwoSteps(profile.size), profile, weight, start, sharp)
 
 
+def fit_rounded(
+    profile: FloatArray, weight: FloatArray, start: FloatArray, left: float, known: Known | None = None
+) -> StepFit:
+    """A slope with `left` of the step at its end, profile and weights (m,); places: end, width, blur (3,) [px]."""
+    return _descend(RoundedStep(profile.size, left), profile, weight, start, known)
+
+
 @dataclass(frozen=True)
 class Sharp:
     """A blur that is known beforehand, and its standard deviation [px]."""
 
     blur: float
     deviation: float
+
+    def among(self, count: int, at: int) -> Known:
+        """What is known of `count` places of which that one is the blur."""
+        places, precision = np.zeros(count), np.zeros((count, count))
+        places[at], precision[at, at] = self.blur, self.deviation**-2
+        return Known(places, precision)
+
+
+@dataclass(frozen=True, eq=False)
+class Known:
+    """What is known beforehand of the places of a fit.
+
+    Attributes:
+        places: What they are, shape (k,) [px].
+        precision: Inverse of their covariance, zero for what is not known, shape (k, k) [1/px^2].
+    """
+
+    places: FloatArray
+    precision: FloatArray
 
 
 def _weighted(values: FloatArray, weight: FloatArray) -> FloatArray:
@@ -86,11 +124,11 @@ def _solved(normal: FloatArray, right: FloatArray) -> FloatArray | None:
 
 
 def _descend(
-    model: OneStep | TwoSteps | SpreadStep,
+    model: OneStep | TwoSteps | SpreadStep | RoundedStep,
     profile: FloatArray,
     weight: FloatArray,
     start: FloatArray,
-    sharp: Sharp | None,
+    known: Sharp | Known | None,
     rounds: int = 30,
 ) -> StepFit:
     count, size = model.count, model.count + len(start)
@@ -99,13 +137,14 @@ def _descend(
     normal = columns.dot(columns.T)
     normal.flat[:: count + 1] += RIDGE
     state = np.concatenate([np.linalg.solve(normal, columns.dot(white)), start])
-    pull, known = 0.0, 0.0  # weight of what is known of the blur
-    blur_at = count + model.blur_at
-    if sharp is not None:
-        pull, known = sharp.deviation**-2, sharp.blur
+    if isinstance(known, Sharp):
+        known = known.among(len(start), model.blur_at)
     left = _weighted(state[:count].dot(model.columns) - profile, weight)
-    off = state[blur_at] - known if pull else 0.0
-    cost = float(left.dot(left)) + pull * off * off
+    cost = float(left.dot(left))
+    if known is not None:
+        off = state[count:] - known.places
+        pull = known.precision.dot(off)
+        cost += float(off.dot(pull))
     damping = _DAMPED
     damped = np.empty((size, size))
     own_damped = damped.reshape(-1)[:: size + 1]
@@ -116,9 +155,9 @@ def _descend(
         own = curvature.reshape(-1)[:: size + 1]
         own += RIDGE
         downhill = jacobian.dot(left)
-        if pull:
-            own[blur_at] += pull
-            downhill[blur_at] += pull * off
+        if known is not None:
+            curvature[count:, count:] += known.precision
+            downhill[count:] += pull
         while damping < 1e6:
             damped[:] = curvature
             own_damped *= 1.0 + damping
@@ -128,24 +167,23 @@ def _descend(
                 left_there = tried[:count].dot(model.at(tried[count:].tolist()))
                 left_there -= profile
                 left_there = _weighted(left_there, weight)
-                off_there = tried[blur_at] - known if pull else 0.0
-                cost_there = float(left_there.dot(left_there)) + pull * off_there * off_there
+                cost_there = float(left_there.dot(left_there))
+                if known is not None:
+                    off = tried[count:] - known.places
+                    pull_there = known.precision.dot(off)
+                    cost_there += float(off.dot(pull_there))
                 if cost_there <= cost:
                     break
             damping *= 10.0
         else:
             break
         gain = cost - cost_there
-        state, left, cost, off = tried, left_there, cost_there, off_there
+        state, left, cost = tried, left_there, cost_there
+        if known is not None:
+            pull = pull_there
         damping = max(damping / 10.0, 1e-9)
         if gain < _ENOUGH * cost:
             break
-    shift = np.zeros(size)
-    shift[count] = 1.0
-    by_shift = _solved(curvature, shift)
-    return StepFit(
-        state[count:],
-        state[1:count],
-        sqrt(cost / profile.size),
-        inf if by_shift is None else sqrt(max(float(by_shift[count]), 0.0)),
-    )
+    by_places = _solved(curvature, np.eye(size)[:, count:])
+    covariance = np.full((len(start), len(start)), inf) if by_places is None else by_places[count:]
+    return StepFit(state[count:], state[1:count], sqrt(cost / profile.size), covariance)
