@@ -15,8 +15,10 @@ from doormill_ros.diagnosis.core.judgement import Judgement, Question, judge_que
 from doormill_ros.diagnosis.core.telling.characterised import Characterised
 from doormill_ros.diagnosis.core.words.verdict import MAIN_PART
 from doormill_ros.diagnosis.law.linear import LinearProblem
+from doormill_ros.diagnosis.motion.certainty import beside_remainder, in_doubt
 from doormill_ros.diagnosis.motion.examination import JointExaminer, JointFinding
 from doormill_ros.diagnosis.motion.model import JointFit, model_of
+from doormill_ros.diagnosis.motion.needless import explains
 from doormill_ros.diagnosis.motion.patterns import unnamed_patterns
 from doormill_ros.diagnosis.motion.problem import JointProblem
 from doormill_ros.diagnosis.motion.remainder import beside_laws
@@ -217,10 +219,11 @@ class MotionDiagnosis(Judgement[MotionCause, MotionFit]):
         fits = []
         for one, laws in zip(self.joints, self.laws or (None,) * len(self.joints), strict=True):
             if laws is None:
-                fits.append(one.extended)
+                fits.append(in_doubt(one))
             else:
                 assert isinstance(laws.problem, LinearProblem)
-                fits.append(beside_laws(one.problem, one.extended, laws.problem, laws.fit))
+                told = beside_laws(one.problem, one.extended, laws.problem, laws.fit)
+                fits.append(told if explains(one, laws.fit) else beside_remainder(told, in_doubt(one)))
         return tuple(fits)
 
     @property
