@@ -162,6 +162,17 @@ class MotionQuestion(Question[MotionCause, MotionFit]):
             finding.examiner.remains(fit) for finding, fit in zip(self.joints, model.joints, strict=True)
         )
 
+    def share(self, found: Examination[MotionCause, MotionFit]) -> float:
+        """In the joints that have names: what remains in another joint says nothing against these."""
+        named = [i for i, fit in enumerate(found.extended.joints) if fit.members]
+        if found.extended.skew or not named:
+            return super().share(found)
+        before, after = (
+            sum(self.problems[i].rmse(model.joints[i].held_out) ** 2 for i in named)
+            for model in (found.baseline, found.extended)
+        )
+        return (before - after) / max(before - sum(self.problems[i].floor ** 2 for i in named), 1e-30)
+
     def train_rmse(self, model: MotionFit, kept: None = None) -> float:
         """Over all joints [rad]."""
         return self._rmse([fit.residual for fit in model.joints])

@@ -82,3 +82,11 @@ def test_a_torque_that_is_read_late_is_named(tmp_path, seed, late):
     assert (diagnosis.verdict, list(named)) == ("explained", [("torque_skew", "joint 2")])
     found = named["torque_skew", "joint 2"].parameters["skew"]
     assert found["value"] == pytest.approx(sum(late.values()), abs=2e-3)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_clear_cause_keeps_its_name_beside_a_joint_that_nothing_explains(tmp_path, seed):
+    hidden = Recording().with_gear(1, ruler=(6e-5, 0.4, 13.0)).with_gear(3, crosstalk=2e-3)
+    diagnosis, named = diagnosed(tmp_path, seed, [], hidden)
+    assert (diagnosis.verdict, list(named)) == ("partly_explained", [("joint_periodic_error", "joint 1")])
+    assert {law["where"] for law in law_sections(diagnosis)["unnamed"]} == {"joint 3"}
