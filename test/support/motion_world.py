@@ -43,6 +43,8 @@ class Gear:
         crosstalk: Link encoder per angle of the next joint [rad / rad]: one without a name.
         rotor: Motors of the published inertia that the torque speeds up besides the link.
         filtered: Time constant of a filter of first order behind the link encoder [s].
+        damper: Beside the spring [N m s / rad].
+        stale, drive_filter: By how much the torque is read late, and time constant of a filter behind it [s].
     """
 
     stiffness: float = 1.0
@@ -59,6 +61,9 @@ class Gear:
     crosstalk: float = 0.0
     rotor: float = 0.0
     filtered: float = 0.0
+    damper: float = 0.0
+    stale: float = 0.0
+    drive_filter: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -105,12 +110,13 @@ def swing(gear: Gear, joint: int, time: np.ndarray, motor: np.ndarray) -> tuple[
     """Integrate the link behind its gear: its angle (n,) [rad], and the torque the motor gives (n,) [N m]."""
     dt = float(time[1] - time[0])
     spring, inertia = STIFFNESS[joint] * gear.stiffness, INERTIA[joint]
-    damper = 2.0 * DAMPING_RATIO * np.sqrt(spring * inertia)
+    damper = 2.0 * DAMPING_RATIO * np.sqrt(spring * inertia) + gear.damper
     gravity, half = GRAVITY[joint], gear.gap / 2.0
     amplitude, phase, waves = gear.tooth
     driven = motor + amplitude * np.cos(waves * RATIO[joint] * motor + phase)
     speed = np.gradient(motor, dt)
-    pushed = np.gradient(driven, dt)
+    # A link's rate here is that of the step before; beside a strong damper half a step more looks like an inertia.
+    pushed = np.diff(driven, prepend=driven[0]) / dt if gear.damper else np.gradient(driven, dt)
     load = gravity * math.cos(driven[0] - LEVEL)
     angle, rate = float(driven[0] - load / spring - half * np.sign(load)), 0.0
     bristle = 0.0
@@ -163,8 +169,11 @@ def record(folder: Path, hidden: Recording, seed: int) -> Path:
         seen = behind_filter(seen, float(time[1] - time[0]), gear.filtered)
         read = np.interp(columns["t"] - gear.late, time, seen)
         columns[f"l{joint + 1}"] = read + rng.normal(0.0, hidden.noise[0], count) + rng.normal(0.0, 1e-3)
-    for joint, (_, _, _, torque) in enumerate(angles):
-        columns[f"tau{joint + 1}"] = torque[::STEPS] + rng.normal(0.0, hidden.noise[2], count)
+    for joint, (time, _, _, torque) in enumerate(angles):
+        gear = hidden.gears[joint]
+        felt = behind_filter(torque, float(time[1] - time[0]), gear.drive_filter)
+        read = np.interp(columns["t"] - gear.stale, time, felt)
+        columns[f"tau{joint + 1}"] = read + rng.normal(0.0, hidden.noise[2], count)
     for joint in range(6):
         columns[f"r{joint + 1}"] = angles[joint][1][::STEPS] if joint < 3 else np.zeros(count)
     kept = np.ones(count, dtype=bool)

@@ -60,6 +60,15 @@ class Question(ABC, Generic[K, M]):
     def holdout_rmse(self, model: M, kept: Any) -> float:
         """The same of rows predicted by the others."""
 
+    def share(self, found: Examination[K, M]) -> float:
+        """Share of the excess over the noise, squared, that named causes explain where they act."""
+        before, after = (self.holdout_rmse(one, found.kept) for one in (found.baseline, found.extended))
+        return (before**2 - after**2) / max(self.excess(found), 1e-30)
+
+    def excess(self, found: Examination[K, M]) -> float:
+        """Held-out squared error of the model in question beyond the noise."""
+        return self.holdout_rmse(found.baseline, found.kept) ** 2 - self.noise_floor**2
+
     @abstractmethod
     def holdout_squares(self, model: M, kept: Any) -> FloatArray:
         """Their sums of squares by what was left out together, shape (groups,)."""
@@ -127,10 +136,8 @@ def weighed(question: Question[K, M], found: Examination[K, M], stays: bool = Fa
         stays: Whether what is named was weighed before, with names that were taken back for a law: it stays partly
             explained, however much that law's part was.
     """
-    before, after = (question.holdout_rmse(one, found.kept) for one in (found.baseline, found.extended))
     complete = all(cause.named for cause in found.best.members) and not found.refused
-    beyond = before**2 - question.noise_floor**2
-    share = (before**2 - after**2) / max(beyond, 1e-30)
+    beyond, share = question.excess(found), question.share(found)
     word = judge(
         found=bool(found.named),
         silent=not found.best.members and question.at_noise(found.baseline),

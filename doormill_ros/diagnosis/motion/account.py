@@ -91,12 +91,14 @@ def _named(
     """One cause: its numbers as they are told, its worth as one of the named causes alone."""
     extended, problem = finding.extended, finding.problem
     first = extended.members[indices[0]]
-    doubles: dict[tuple[str, str], Double[Any, Any]] = {}
+    doubles: dict[tuple[str, ...], Double[Any, Any]] = {}
     parameters: Figures = {}
     for index in indices:
         parameters |= _parameters(told, index, problem.stiffness)
         for double in finding.doubles[index]:
-            doubles.setdefault(double.cause.key, double)
+            # Of other causes one reading, of a wave every order.
+            same = double.cause.key == first.key
+            doubles.setdefault(double.cause.identity if same else double.cause.key, double)
     rest = [cause for i, cause in enumerate(extended.members) if i not in indices]
     delay = finding.search.delay_without(extended.delay, first)
     without = problem.rmse(problem.settled(rest, delay).held_out)

@@ -15,8 +15,10 @@ from doormill_ros.diagnosis.core.judgement import Judgement, Question, judge_que
 from doormill_ros.diagnosis.core.telling.characterised import Characterised
 from doormill_ros.diagnosis.core.words.verdict import MAIN_PART
 from doormill_ros.diagnosis.law.linear import LinearProblem
+from doormill_ros.diagnosis.motion.certainty import beside_remainder, in_doubt
 from doormill_ros.diagnosis.motion.examination import JointExaminer, JointFinding
 from doormill_ros.diagnosis.motion.model import JointFit, model_of
+from doormill_ros.diagnosis.motion.needless import explains
 from doormill_ros.diagnosis.motion.patterns import unnamed_patterns
 from doormill_ros.diagnosis.motion.problem import JointProblem
 from doormill_ros.diagnosis.motion.remainder import beside_laws
@@ -156,6 +158,17 @@ class MotionQuestion(Question[MotionCause, MotionFit]):
             finding.examiner.remains(fit) for finding, fit in zip(self.joints, model.joints, strict=True)
         )
 
+    def share(self, found: Examination[MotionCause, MotionFit]) -> float:
+        """In the joints that have names: what remains in another joint says nothing against these."""
+        named = [i for i, fit in enumerate(found.extended.joints) if fit.members]
+        if found.extended.skew or not named:
+            return super().share(found)
+        before, after = (
+            sum(self.problems[i].rmse(model.joints[i].held_out) ** 2 for i in named)
+            for model in (found.baseline, found.extended)
+        )
+        return (before - after) / max(before - sum(self.problems[i].floor ** 2 for i in named), 1e-30)
+
     def train_rmse(self, model: MotionFit, kept: None = None) -> float:
         """Over all joints [rad]."""
         return self._rmse([fit.residual for fit in model.joints])
@@ -213,10 +226,11 @@ class MotionDiagnosis(Judgement[MotionCause, MotionFit]):
         fits = []
         for one, laws in zip(self.joints, self.laws or (None,) * len(self.joints), strict=True):
             if laws is None:
-                fits.append(one.extended)
+                fits.append(in_doubt(one))
             else:
                 assert isinstance(laws.problem, LinearProblem)
-                fits.append(beside_laws(one.problem, one.extended, laws.problem, laws.fit))
+                told = beside_laws(one.problem, one.extended, laws.problem, laws.fit)
+                fits.append(told if explains(one, laws.fit) else beside_remainder(told, in_doubt(one)))
         return tuple(fits)
 
     @property

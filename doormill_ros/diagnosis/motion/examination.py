@@ -11,11 +11,13 @@ from doormill_ros.diagnosis.core.words.margin import Check, Margin
 from doormill_ros.diagnosis.core.words.verdict import AT_NOISE
 from doormill_ros.diagnosis.motion.imitations import in_place_of_scale, lag_beyond_delay, part_of_a_wave
 from doormill_ros.diagnosis.motion.model import JointFit
+from doormill_ros.diagnosis.motion.orders import outermost
 from doormill_ros.diagnosis.motion.patterns import MotionPattern
 from doormill_ros.diagnosis.motion.problem import JointProblem
 from doormill_ros.diagnosis.motion.search import CLEAR, ENTRY, EQUAL, JointSearch
 from doormill_ros.diagnosis.motion.skew import alike
 from doormill_ros.robot_model.motion.causes.cause import TORQUE, MotionCause
+from doormill_ros.robot_model.motion.causes.joint_periodic_error import MotionPeriodicError
 
 #: Share of the excess over the noise that a joint's causes explain together to be named where something remains.
 JOINT_PART = 0.8
@@ -123,7 +125,7 @@ class JointExaminer(Examiner[MotionCause, JointFit]):
 
     def doubles(self, asked: JointFit, cause: MotionCause) -> Sequence[Double[MotionCause, JointFit]]:
         """Other causes that would do as well in the place of one, each at its best."""
-        found: dict[tuple[str, str], Double[MotionCause, JointFit]] = {}
+        found: dict[tuple[str, ...], Double[MotionCause, JointFit]] = {}
         for other, fit in self.models.rivals(asked, cause):
             behind = self.behind(asked, fit)
             if other.named and other.key != cause.key and behind < EQUAL:
@@ -133,6 +135,13 @@ class JointExaminer(Examiner[MotionCause, JointFit]):
         for other, fit in in_place_of_scale(self.models, asked, cause):
             if (behind := self.behind(asked, fit)) < EQUAL or not (self.remains(asked) or self.remains(fit)):
                 found.setdefault(other.key, Double(other, max(behind, 0.0), model=fit))
+        if isinstance(cause, MotionPeriodicError):
+            orders = {
+                other: Double[MotionCause, JointFit](other, max(behind, 0.0), model=fit)
+                for other, fit in self.models.other_orders(asked, cause)
+                if (behind := self.behind(asked, fit)) < EQUAL
+            }
+            found |= {other.slot: orders[other] for other in outermost(cause, orders)}
         return tuple(found.values())
 
 

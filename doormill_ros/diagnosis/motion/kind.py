@@ -33,7 +33,8 @@ from doormill_ros.units import UM
 METHOD = """The model in question says that the link lags behind the motor by torque over stiffness. Noise makes a
 spring look harder than it is, so a torque with much white noise was filtered as far as it showed nothing else. Each
 cause adds to that difference in proportion to its numbers; a skew and the width of a hysteresis are found by stepping.
-Friction and damping are torques that the spring does not see, a damper beside the spring is not in the library. Each
+Friction and damping are torques that the spring does not see. A damper beside the spring lets the twist follow the
+torque, and a torque that is read late seems to follow the twist. Each
 recording is cut into twenty contiguous blocks, every tenth is predicted by a fit that has not seen it. A cause is
 named if that improves by far more than what is left has at the frequencies of the cause, in most blocks, by a
 twentieth at least, and if no shape without a name does clearly better in its place; with several recordings also if
@@ -121,6 +122,8 @@ def _next_measurement(diagnosis: MotionDiagnosis, laws: Sequence[Mapping[str, An
     ]
     if doubtful:
         cause, double = doubtful[0]
+        if cause.key == double.key:
+            return f"To tell {cause!r} from {double.variant}, move {cause.where} over more of a turn."
         return (
             f"To tell {cause!r} from {double!r}, move {cause.where} slowly to and fro over its whole range with two "
             "payloads: the first changes speed and angle alone, the second the torque alone."

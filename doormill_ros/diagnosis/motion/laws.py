@@ -11,7 +11,14 @@ from doormill_ros.diagnosis.law.remainder import Searched, searched
 from doormill_ros.diagnosis.motion.diagnosis import MotionDiagnosis
 from doormill_ros.diagnosis.motion.examination import JointFinding
 from doormill_ros.diagnosis.motion.model import model_of
-from doormill_ros.diagnosis.motion.needless import law_terms, not_the_same, taken_back
+from doormill_ros.diagnosis.motion.needless import (
+    acts_alike,
+    explains,
+    law_terms,
+    not_the_same,
+    size_gone,
+    taken_back,
+)
 from doormill_ros.diagnosis.motion.remainder import Companies, remainder
 from doormill_ros.robot_model.motion.model import MotionModel
 
@@ -45,7 +52,16 @@ def _searched(finding: JointFinding, companies: Companies, progress: Callable[[s
     problem, base = remainder(finding.problem, extended.members, extended.delay, companies, rows)
     every = law_terms(finding, problem, extended.members, extended.delay)
     terms = not_the_same(finding, problem, finding.named, every)
-    return searched(problem, base, terms, progress)
+    found = searched(problem, base, terms, progress)
+    # Several terms together may say the same as a cause: those that leave more than noise cannot do without it either.
+    while not explains(finding, found.best) and (gone := size_gone(finding, found)) is not None:
+        beside = [term for term in terms if not acts_alike(term, gone)]
+        if len(beside) == len(terms):
+            break
+        progress(f"laws that leave {gone!r} its size")
+        terms = beside
+        found = searched(problem, base, terms, progress)
+    return found
 
 
 def model_with_laws(diagnosis: MotionDiagnosis) -> MotionModel:

@@ -51,7 +51,7 @@ def taken_back(
         found: Laws beside all named causes.
         progress: Told of every step.
     """
-    if _explains(finding, found.best):
+    if explains(finding, found.best):
         other = [cause for cause in finding.named if any(_same_law(term, cause) for term in found.laws)]
         if other:
             return [(cause, OTHER_LAW) for cause in other]
@@ -86,7 +86,12 @@ def _same_law(term: MotionTerm, cause: MotionCause) -> bool:
     return term.acts_on in _ACTS_ON and driver in cause.follows
 
 
-def _explains(finding: JointFinding, model: Fit[MotionTerm]) -> bool:
+def acts_alike(term: MotionTerm, cause: MotionCause) -> bool:
+    """Whether a term acts on what a cause acts on."""
+    return bool(cause.acts_on) and term.acts_on.startswith(cause.acts_on)
+
+
+def explains(finding: JointFinding, model: Fit[MotionTerm]) -> bool:
     """Whether what laws leave is noise, or less than what the least cause has to be worth."""
     floor, before = finding.problem.floor, finding.problem.rmse(finding.extended.held_out)
     left = root_mean_square(model.held_out)
@@ -110,12 +115,12 @@ def _behind(
         term
         for term in not_the_same(finding, problem, [cause], law_terms(finding, problem, rest, delay))
         # A friction that varies is a friction still.
-        if not (cause.acts_on and term.acts_on.startswith(cause.acts_on))
+        if not acts_alike(term, cause)
     ]
     problem = problem.coarser(float(found.problem.sigma[0] / problem.sigma[0]))
     progress(f"{cause!r} against laws alone")
     rival = searched_once(problem, base, terms, progress)
-    return rival.total - found.total if _explains(finding, rival.best) else float("inf")
+    return rival.total - found.total if explains(finding, rival.best) else float("inf")
 
 
 def law_terms(

@@ -5,24 +5,39 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.ndimage import median_filter, uniform_filter1d
+from numpy.lib.stride_tricks import sliding_window_view
+from scipy.ndimage import uniform_filter1d
 
 from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.robot_model.motion.quiet_torque import white_noise
 from doormill_ros.robot_model.motion.view import JointMotion
-from doormill_ros.statistics import NORMAL_STD, median
 
-#: Deviations from its neighbours by which a sample is a slip of the reading; at most this share of them.
-_GROSS, _GROSS_SHARE, _NEIGHBOURS = 20.0, 0.05, 11
+#: Deviations from its neighbours on either side by which a sample is a slip of the reading; at most this share of them.
+_GROSS, _GROSS_SHARE, _BESIDE = 20.0, 0.05, 5
+_WITHIN = 1.96  #: deviations within which all but that share of normal noise is
 _ALIKE = 9  #: frequencies, half a wave a recording apart, whose powers are averaged
 
 
 def no_slips(motion: JointMotion) -> BoolArray:
     """Samples of a recording that are no slips of the reading, shape (n,)."""
-    value = motion.link - motion.motor
-    away = np.abs(value - median_filter(value, _NEIGHBOURS, mode="nearest"))
-    slip = away > _GROSS * max(NORMAL_STD * median(away), 1e-9)
-    return ~slip if slip.mean() < _GROSS_SHARE else np.ones(len(value), dtype=bool)
+    away = np.abs(_from_neighbours(motion.time, motion.link - motion.motor))
+    # What nearly all samples keep within: where a joint rests half of them may lie on the line exactly.
+    scale = float(np.quantile(away, 1.0 - _GROSS_SHARE)) / _WITHIN
+    slip = away > _GROSS * max(scale, 1e-9)
+    return ~slip if slip.mean() < _GROSS_SHARE else np.ones(len(away), dtype=bool)
+
+
+def _from_neighbours(time: FloatArray, values: FloatArray) -> FloatArray:
+    """By how much each of a row of values, shape (n,), is off a line through its neighbours, which few can turn."""
+    near, when = (
+        sliding_window_view(np.pad(row, _BESIDE, mode="reflect", reflect_type="odd"), 2 * _BESIDE + 1)
+        for row in (values, time)
+    )
+    before, after = np.arange(_BESIDE)[::-1], np.arange(_BESIDE + 1, 2 * _BESIDE + 1)
+    slope = np.median(
+        (near[:, after] - near[:, before]) / (when[:, after] - when[:, before]), axis=1, keepdims=True
+    )
+    return np.asarray(values - np.median(near - slope * (when - time[:, None]), axis=1), dtype=float)
 
 
 def mean_square_of(errors: FloatArray) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
@@ -24,6 +24,7 @@ _HIGHEST = 2600.0  #: waves a turn of the joint
 _FOUND = 2  #: orders that are tried, of what is slow and of what is quick
 _FINER = 0.25  #: step between tried orders
 _QUICK = 25  #: samples whose mean is slow
+_BESIDE = 4  #: steps to either side of an order within which others are held against it
 
 
 def wave_candidates(problem: JointProblem, found: JointFit) -> list[MotionPeriodicError]:
@@ -45,6 +46,31 @@ def wave_candidates(problem: JointProblem, found: JointFit) -> list[MotionPeriod
             usable &= np.abs(orders - peak) > width
             candidates += _readings(problem, order, width)
     return candidates
+
+
+def neighbours(wave: MotionPeriodicError) -> list[MotionPeriodicError]:
+    """Waves of the orders beside that of a wave over the joint's angle: few turns do not tell them apart."""
+    if wave.angle != "joint":
+        return []
+    step = 1.0 if wave.order < FINE else _FINER
+    orders = [
+        wave.order + step * k for k in range(-_BESIDE, _BESIDE + 1) if k and wave.order + step * k > 0.0
+    ]
+    return [MotionPeriodicError(wave.where, order, "joint", wave.free, wave.smoothed) for order in orders]
+
+
+def outermost(wave: MotionPeriodicError, others: Iterable[MotionPeriodicError]) -> list[MotionPeriodicError]:
+    """Of orders that would do as well as a wave's, those to tell: of a fine scale the ends of what is near alone."""
+    others = list(others)
+    near = [
+        one
+        for one in others
+        if wave.order >= FINE and one.angle == wave.angle and abs(one.order - wave.order) <= _BESIDE * _FINER
+    ]
+    low = [one for one in near if one.order < wave.order]
+    high = [one for one in near if one.order > wave.order]
+    ends = [end(part, key=lambda one: one.order) for end, part in ((min, low), (max, high)) if part]
+    return [*ends, *(one for one in others if all(one is not other for other in near))]
 
 
 def spectrum(problem: JointProblem, residual: FloatArray, quick: bool = False) -> FloatArray:

@@ -22,7 +22,7 @@ BLOCKS, FOLDS = 20, 10
 SAMPLES = 3000  #: that laws are searched in, at most
 _RIDGE = 1e-10  #: share of a column's own square
 _FOLD_RIDGE = 1e-7  #: the same where a part of the rows is left out
-_SETTLED = 1e-7  #: s
+_SETTLED, _STEPS = 1e-7, 4  #: s, and steps to there at most
 FINEST = 1e-9  #: difference of two encoders that is noise whatever was read [rad]
 _BEYOND = 1.5  #: how far outside its ends a state at the start may be fitted
 
@@ -223,13 +223,16 @@ class JointProblem:
         return total
 
     def settled(self, members: Sequence[MotionCause], delay: float) -> JointFit:
-        """The fit about the delay that it finds itself."""
+        """The fit about the delay that it finds itself, its members with the shapes that they find."""
         found = self.fit(members, delay)
-        for _ in range(4):
+        for _ in range(_STEPS):
             index = found.skew
-            if index is None or abs(float(found.x[index][0])) < _SETTLED:
+            stays = index is None or abs(float(found.x[index][0])) < _SETTLED
+            stiffness = stiffness_of(found.members, found.x, self.stiffness)
+            nearer = [cause.nearer(x, stiffness) for cause, x in zip(found.members, found.x, strict=True)]
+            if stays and all(one is cause for one, cause in zip(nearer, found.members, strict=True)):
                 break
-            found = self.fit(members, round(found.delay + float(found.x[index][0]), 8))
+            found = self.fit(nearer, found.delay if stays else round(found.late, 8))
         return found
 
     def plausible(self, found: JointFit, strictly: bool = True) -> bool:

@@ -12,7 +12,7 @@ from doormill_ros.diagnosis.core.fitting.held_out import gain_in_errors
 from doormill_ros.diagnosis.core.fitting.ranking import ranked, ranks
 from doormill_ros.diagnosis.core.searching.search import Search
 from doormill_ros.diagnosis.motion.model import JointFit
-from doormill_ros.diagnosis.motion.orders import wave_candidates
+from doormill_ros.diagnosis.motion.orders import neighbours, wave_candidates
 from doormill_ros.diagnosis.motion.problem import JointProblem
 from doormill_ros.robot_model.motion.causes.cause import MotionCause
 from doormill_ros.robot_model.motion.causes.joint_periodic_error import MotionPeriodicError
@@ -226,6 +226,21 @@ class JointSearch(Search[MotionCause, JointFit]):
         if key not in self._rivals:
             self._rivals[key] = (model, super().rivals(model, cause))
         return self._rivals[key][1]
+
+    def other_orders(
+        self, model: JointFit, wave: MotionPeriodicError
+    ) -> list[tuple[MotionPeriodicError, JointFit]]:
+        """The other orders in the place of a member, those that are plausible there."""
+        rest = self.without(model, wave)
+        taken = {cause.slot for cause in model.members}
+        beside = [(other, self.add(rest, other)) for other in neighbours(wave)]
+        pairs = [*beside, *self.rivals(model, wave)]
+        found = {
+            other.slot: (other, fit)
+            for other, fit in pairs
+            if isinstance(other, MotionPeriodicError) and fit is not None
+        }
+        return [pair for slot, pair in sorted(found.items()) if slot not in taken]
 
     def strength(self, found: JointFit, cause: MotionCause) -> float:
         """Least size of a member's coefficients in their standard deviations, by the scatter of the blocks."""

@@ -187,9 +187,11 @@ def _sections(diagnosis: PoseDiagnosis) -> dict[str, Any]:
         },
         "sets": [_series(diagnosis, index) for index in range(len(diagnosis.sets))],
         "only_within_one_series": [
-            rejected_entry(score) for score in diagnosis.rejected if score.status in WITHIN
+            rejected_entry(diagnosis, score) for score in diagnosis.rejected if score.status in WITHIN
         ],
-        "rejected": [rejected_entry(score) for score in diagnosis.rejected if score.status not in WITHIN],
+        "rejected": [
+            rejected_entry(diagnosis, score) for score in diagnosis.rejected if score.status not in WITHIN
+        ],
         "not_distinguishable_from_placement": indistinguishable(diagnosis),
         "not_determined": not_determined(diagnosis.sets),
         "coverage": coverage(diagnosis),

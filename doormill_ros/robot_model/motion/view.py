@@ -16,6 +16,11 @@ _BESIDE = np.linspace(-_SMOOTHED, _SMOOTHED, 9)
 _CURVED = _BESIDE**2 - np.mean(_BESIDE**2)
 #: Moments beside one [s], and weights of the angle there in the second derivative of a parabola through all [1 / s^2].
 _PARABOLA = (_BESIDE, 2.0 * _CURVED / np.sum(_CURVED**2))
+#: Moments beside one [s], and weights of the torque there in the slope of a line through all [1 / s]: narrower than a
+#: parabola's, for a torque shakes as fast as the link swings behind its gear.
+_NEAR = _BESIDE / 2.0
+_SLOPE = (_NEAR, _NEAR / np.sum(_NEAR**2))
+_ASIDE = (-4, -3, -2, 2, 3, 4)  #: samples beside one of which a mean holds none of its noise
 _DIGITS = 8  #: decimals of a delay [s] that count
 
 
@@ -91,6 +96,26 @@ class SeenMotion:
         """Difference of the encoders that the model in question predicts, shape (n,) [rad]."""
         return self.motor - self.motion.motor - self.torque / self.motion.stiffness
 
+    @cached_property
+    def torque_rate(self) -> FloatArray:
+        """How the torque grows, shape (n,) [N m / s]."""
+        motion = self.motion
+        time = np.clip(self.time - self.delay, motion.time[0] - _SLOPE[0][0], motion.time[-1] - _SLOPE[0][-1])
+        parts = [
+            weight * np.interp(time + side, motion.time, motion.torque)
+            for side, weight in zip(*_SLOPE, strict=True)
+        ]
+        return np.asarray(np.sum(parts, axis=0), dtype=float)
+
+    def torque_beside(self, later: float = 0.0) -> FloatArray:
+        """Mean torque of samples on either side of moments later by a time [s], less the nearest, shape (n,) [N m]."""
+        motion = self.motion
+        period = float(np.median(np.diff(motion.time)))
+        moments = [self.time - self.delay + later + k * period for k in _ASIDE]
+        return np.asarray(
+            np.mean([np.interp(at, motion.time, motion.torque) for at in moments], axis=0), dtype=float
+        )
+
     def slip(self, width: float, start: float) -> FloatArray:
         """State of bristles that bend for a width [rad] before they slide, from -1 to 1, shape (n,).
 
@@ -106,6 +131,20 @@ class SeenMotion:
     def moving(self) -> BoolArray:
         """Whether the joint moves, shape (n,)."""
         return np.abs(self.speed) > 1e-3
+
+
+def followed(time: FloatArray, values: FloatArray, settles: float) -> FloatArray:
+    """What follows values with a time constant [s] where they run straight between times [s], each of shape (n,)."""
+    wait = np.maximum(np.diff(time), 1e-9) / settles
+    stays = np.exp(-wait)
+    mean = (1.0 - stays) / wait
+    fed = (mean - stays) * values[:-1] + (1.0 - mean) * values[1:]
+    late = float(values[0])
+    found = [late]
+    for share, new in zip(stays.tolist(), fed.tolist(), strict=True):
+        late = share * late + new
+        found.append(late)
+    return np.array(found)
 
 
 @lru_cache(maxsize=256)

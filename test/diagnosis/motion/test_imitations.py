@@ -1,17 +1,20 @@
 """Effects that a spring, a scale or a slow wave would imitate: what they are, or nothing, is said of them."""
 
+import numpy as np
 import pytest
 
 from doormill_ros.diagnosis.motion.account import law_sections, named_causes
 from doormill_ros.diagnosis.motion.diagnosis import diagnose_motions
 from doormill_ros.diagnosis.motion.laws import with_laws
 from doormill_ros.measurements.motion_set import read_motion_set
-from support.motion_world import RATIO, ROTOR, Recording, record
+from support.motion_world import DAMPING_RATIO, INERTIA, RATIO, ROTOR, STIFFNESS, Recording, record
+
+#: Encoders and drives of which little is noise.
+QUIET = Recording(noise=(2e-6, 5e-7, 2.0))
 
 
-def diagnosed(folder, seed, joints, **gear):
+def diagnosed(folder, seed, joints, hidden=Recording(), **gear):  # noqa: B008
     """The diagnosis with laws, and named causes by name and place."""
-    hidden = Recording()
     for joint in joints:
         hidden = hidden.with_gear(joint, **gear)
     diagnosis = with_laws(diagnose_motions([read_motion_set(record(folder / "set", hidden, seed))]))
@@ -59,3 +62,31 @@ def test_a_part_of_one_wave_a_turn_is_no_scale(tmp_path, seed, height):
         assert diagnosis.verdict == "explained"
         assert [double.cause.name for double in scale.doubles] == ["joint_periodic_error"]
     assert set(named) <= {("encoder_scale", "joint 1")}
+
+
+@pytest.mark.parametrize("damper", [1e5, 3e5])
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_damper_beside_the_spring_is_named(tmp_path, seed, damper):
+    diagnosis, named = diagnosed(tmp_path, seed, [2], QUIET, damper=damper)
+    assert (diagnosis.verdict, list(named)) == ("explained", [("spring_damping", "joint 2")])
+    found = named["spring_damping", "joint 2"].parameters["damping"]
+    # A gear of this world has some of its own.
+    own = 2.0 * DAMPING_RATIO * np.sqrt(STIFFNESS[1] * INERTIA[1])
+    assert found["value"] == pytest.approx(damper + own, abs=4.0 * found["std"], rel=0.05)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("late", [{"stale": 0.03}, {"stale": 0.01}, {"drive_filter": 0.02}], ids=str)
+def test_a_torque_that_is_read_late_is_named(tmp_path, seed, late):
+    diagnosis, named = diagnosed(tmp_path, seed, [2], QUIET, **late)
+    assert (diagnosis.verdict, list(named)) == ("explained", [("torque_skew", "joint 2")])
+    found = named["torque_skew", "joint 2"].parameters["skew"]
+    assert found["value"] == pytest.approx(sum(late.values()), abs=2e-3)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_clear_cause_keeps_its_name_beside_a_joint_that_nothing_explains(tmp_path, seed):
+    hidden = Recording().with_gear(1, ruler=(6e-5, 0.4, 13.0)).with_gear(3, crosstalk=2e-3)
+    diagnosis, named = diagnosed(tmp_path, seed, [], hidden)
+    assert (diagnosis.verdict, list(named)) == ("partly_explained", [("joint_periodic_error", "joint 1")])
+    assert {law["where"] for law in law_sections(diagnosis)["unnamed"]} == {"joint 3"}

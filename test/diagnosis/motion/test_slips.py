@@ -5,11 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from doormill_ros.diagnosis.motion.account import check_set
+from doormill_ros.diagnosis.motion.account import check_set, named_causes
 from doormill_ros.diagnosis.motion.diagnosis import diagnose_motions
+from doormill_ros.diagnosis.motion.noise import no_slips
 from doormill_ros.diagnosis.motion.skew import common_skew
 from doormill_ros.measurements.motion_set import read_motion_set
 from support.motion_world import Recording, record
+from support.source_tree import ROOT
 
 
 def test_a_slip_changes_nothing_of_what_a_check_says(tmp_path):
@@ -27,6 +29,36 @@ def test_a_slip_changes_nothing_of_what_a_check_says(tmp_path):
     for joint, figures in plain.items():
         for name, value in figures.items():
             assert found[joint][name] == pytest.approx(value, rel=0.02), (joint, name)
+
+
+def slipped_set(folder, hidden, seed):
+    """A recording with slips of the link encoder of joint 2, and their samples."""
+    table = record(folder, hidden, seed) / "samples.csv"
+    head, *lines = table.read_text().splitlines()
+    rows = np.array([line.split(",") for line in lines], dtype=float)
+    slipped = np.arange(100, 2400, 150)
+    rows[slipped, 5] += np.where(slipped % 4, 4e-4, -2e-3)
+    np.savetxt(table, rows, fmt="%.9g", delimiter=",", header=head, comments="")
+    return read_motion_set(folder), list(slipped)
+
+
+@pytest.mark.parametrize("late", [0.0, 4e-3], ids=["quiet", "steep"])
+def test_encoders_with_slips_are_told_as_without_these(tmp_path, late):
+    hidden = Recording(noise=(3e-6, 1e-6, 5.0))
+    for joint in (1, 2, 3):
+        hidden = hidden.with_gear(joint, late=late)
+    data, slipped = slipped_set(tmp_path / "set", hidden, 3)
+    diagnosis = diagnose_motions([data])
+    assert [list(np.flatnonzero(~one.problem.kept)) for one in diagnosis.joints] == [[], slipped, []]
+    named = [(entry.cause, entry.where) for entry in named_causes(diagnosis)]
+    assert named == ([("time_skew", "link encoders")] if late else [])
+    assert diagnosis.verdict == ("explained" if late else "consistent")
+
+
+@pytest.mark.parametrize("name", ["A", "B"])
+def test_a_measured_joint_that_turns_after_a_rest_does_not_slip(name):
+    motions = read_motion_set(ROOT / "test" / "data" / "kr300" / name).motions
+    assert [motion.joint for motion in motions if not no_slips(motion).all()] == []
 
 
 @pytest.mark.parametrize(

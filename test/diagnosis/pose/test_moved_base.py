@@ -68,6 +68,16 @@ def test_a_step_near_the_start_is_no_warm_up(diagnose):
     assert set(found) <= {"session_step"}
 
 
+def test_a_lone_series_has_one_name_wherever_it_is_told(diagnose):
+    document, found = diagnose(50, 3, step=("alone", 25, SHIFT))
+    beside = [one for cause in document["causes"] for one in cause["confusable_with"]]
+    others = [*document["rejected"], *document["only_within_one_series"]]
+    places = {one["where"] for one in (*document["causes"], *beside, *others)}
+    assert {where for where in places if where.startswith("set")} == {"set"}
+    assert found
+    assert {one["cause"] for one in beside} & set(NAMED)
+
+
 @pytest.mark.parametrize("stated", [True, False])
 def test_a_verdict_by_an_assumed_noise_says_so(diagnose, stated):
     document, _ = diagnose(60, 9, stated=stated)

@@ -11,6 +11,7 @@ import yaml
 
 from doormill_ros.diagnosis.core.telling.account import Account, NamedCause
 from doormill_ros.files import write_together
+from doormill_ros.robot_model.candidate import Cause
 from doormill_ros.robot_model.model_file import MODEL_FILE
 
 SCHEMA = "doormill/diagnosis/1"
@@ -49,10 +50,17 @@ def cause_entry(named: NamedCause) -> dict[str, Any]:
         "where": named.where,
         "parameters": dict(named.parameters),
         "holdout_rmse_without": named.without,
-        "confusable_with": [{"cause": one.cause.name, "where": one.cause.where} for one in named.doubles],
+        "confusable_with": [_confusable(named, one.cause) for one in named.doubles],
         **({"tied_with": tied} if tied else {}),
         **named.more,
     }
+
+
+def _confusable(named: NamedCause, other: Cause) -> dict[str, str]:
+    """Another cause, or another reading of the same one with what tells them apart."""
+    found = {"cause": other.name, "where": other.where}
+    same = (named.cause, named.where) == other.key
+    return found | ({"variant": other.variant} if same and other.variant else {})
 
 
 def write_diagnosis(

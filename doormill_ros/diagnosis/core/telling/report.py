@@ -10,11 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from doormill_ros.diagnosis.core.telling.account import Account
+from doormill_ros.diagnosis.core.telling.account import Account, NamedCause
 from doormill_ros.diagnosis.core.words.margin import margins_table
 from doormill_ros.diagnosis.core.words.verdict import CONSISTENT, EXPLAINED, UNEXPLAINED
 from doormill_ros.diagnosis.core.words.wording import spoken, verdict_sentence, with_deviation
 from doormill_ros.pages.page import Block, Page, PageSection, Paragraphs, Table, Tiles, render
+from doormill_ros.robot_model.candidate import Cause
 
 _PARAMETERS = 6  #: that are listed of one cause, the largest first where there are more
 _NUMBERS = 12  #: that are listed of one parameter
@@ -114,7 +115,7 @@ def _figure(entry: Any) -> str:
 
 def _confusable(account: Account) -> list[Block]:
     rows = [
-        [named.words, spoken(double.cause), _apart(double.behind, double.tied)]
+        [named.words, _double(named, double.cause), _apart(double.behind, double.tied)]
         for named in account.causes
         for double in named.doubles
     ]
@@ -123,6 +124,11 @@ def _confusable(account: Account) -> list[Block]:
     if not rows:
         return [Paragraphs(["Every established cause is told apart from all others by these data."])]
     return [Table(("Named", "Would do as well", "What the data say for the first"), rows)]
+
+
+def _double(named: NamedCause, other: Cause) -> str:
+    same = (named.cause, named.where) == other.key
+    return f"the same, {other.variant}" if same and other.variant else spoken(other)
 
 
 def _apart(behind: float | None, tied: bool) -> str:

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.diagnosis.core.examining.examination import Double
 from doormill_ros.diagnosis.core.telling.account import NamedCause
 from doormill_ros.diagnosis.core.words.wording import spoken
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
@@ -16,6 +19,7 @@ from doormill_ros.diagnosis.pose.fitting.problem import PoseProblem
 from doormill_ros.diagnosis.pose.laws import numbers_told
 from doormill_ros.diagnosis.pose.searching.selection import NOT_CARRIED, ONE_SERIES, Score
 from doormill_ros.measurements.pose_set import PoseSet, placement_owners
+from doormill_ros.robot_model.pose.causes.cause import PoseCause
 
 #: Why a cause that helps on blocks left out is not one of the robot.
 WITHIN = (ONE_SERIES, NOT_CARRIED)
@@ -23,9 +27,9 @@ WITHIN = (ONE_SERIES, NOT_CARRIED)
 IMITATED = 0.02
 
 
-def place_name(diagnosis: PoseDiagnosis, where: str) -> str:
+def place_name(sets: Sequence[PoseSet], where: str) -> str:
     """'set' alone when there is but one series."""
-    return "set" if where.startswith("set ") and len(diagnosis.sets) == 1 else where
+    return "set" if where.startswith("set ") and len(sets) == 1 else where
 
 
 def causes_of(diagnosis: PoseDiagnosis) -> list[NamedCause]:
@@ -36,11 +40,11 @@ def causes_of(diagnosis: PoseDiagnosis) -> list[NamedCause]:
         found.append(
             NamedCause(
                 cause=score.cause.name,
-                where=place_name(diagnosis, score.cause.where),
+                where=place_name(diagnosis.sets, score.cause.where),
                 words=spoken(score.cause),
                 parameters=parameters_of(told, std, score),
                 without=score.rmse_without,
-                doubles=doubles,
+                doubles=[_placed(diagnosis.sets, double) for double in doubles],
                 more={
                     "gain_by_series": [float(v) for v in score.gain],
                     "gain_with_series_left_out": [float(v) for v in score.transfer],
@@ -55,13 +59,20 @@ def causes_of(diagnosis: PoseDiagnosis) -> list[NamedCause]:
             found.append(
                 NamedCause(
                     cause="gross_error",
-                    where=place_name(diagnosis, f"set {data.name}"),
+                    where=place_name(diagnosis.sets, f"set {data.name}"),
                     words=f"gross errors in {data.name}",
                     parameters={"rows": {"value": rows, "std": [0.0] * len(rows), "unit": "-"}},
                     without=rmse(diagnosis.after.blocks, [np.ones(len(e), bool) for e in diagnosis.gross]),
                 )
             )
     return found
+
+
+def _placed(sets: Sequence[PoseSet], double: Double[PoseCause, Any]) -> Double[PoseCause, Any]:
+    """A double with the name of its place as causes have it."""
+    cause = copy(double.cause)
+    cause.where = place_name(sets, cause.where)
+    return replace(double, cause=cause)
 
 
 def doubts(diagnosis: PoseDiagnosis, told: Sequence[NamedCause]) -> list[str]:
@@ -89,11 +100,11 @@ def parameters_of(told: PoseProblem, deviation: FloatArray, score: Score) -> dic
     return score.cause.reported(told.x[part], deviation[part], seen)
 
 
-def rejected_entry(score: Score) -> dict[str, Any]:
+def rejected_entry(diagnosis: PoseDiagnosis, score: Score) -> dict[str, Any]:
     """A cause that did not earn its place, for diagnosis.json."""
     return {
         "cause": score.cause.name,
-        "where": score.cause.where,
+        "where": place_name(diagnosis.sets, score.cause.where),
         "why": score.status,
         "gain_by_series": [float(v) for v in score.gain],
         "standard_errors_by_series": [float(v) for v in score.sure],
@@ -108,7 +119,7 @@ def not_determined(sets: Sequence[PoseSet]) -> list[dict[str, Any]]:
     return [
         {
             "what": "orientation of the target on the flange",
-            "where": f"set {data.name}",
+            "where": place_name(sets, f"set {data.name}"),
             "why": "positions alone were measured",
         }
         for data, own in zip(sets, owners, strict=True)

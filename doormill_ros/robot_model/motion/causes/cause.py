@@ -75,6 +75,10 @@ class MotionCause(Cause):
         """Whether coefficients, shape (k,), are plausible beside a spring of the joint [N m / rad]."""
         return True
 
+    def nearer(self, x: FloatArray, stiffness: float) -> Self:
+        """The same in the shape that fits coefficients, shape (k,); itself where there is nothing nearer."""
+        return self
+
     def values(self, x: FloatArray, stiffness: float) -> dict[str, tuple[float, str]]:
         """Reported parameters with their units.
 

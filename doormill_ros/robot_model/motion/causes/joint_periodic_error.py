@@ -38,7 +38,7 @@ class MotionPeriodicError(MotionCause):
         """Put one order at its place."""
         super().__init__(where)
         self.order, self.angle, self.free, self.smoothed = order, angle, free, smoothed
-        self.phased = free
+        self.phased, self.variant = free, f"order {order:.6g} of the {angle}"
 
     @classmethod
     def candidates(cls, where: str, motions: Sequence[SeenMotion]) -> Sequence[MotionCause]:
@@ -112,6 +112,3 @@ class MotionPeriodicError(MotionCause):
     def pattern(self) -> str:
         """What it leaves."""
         return f"the difference of the encoders goes up and down {self.order:.4g} times a turn of the {self.angle}"
-
-    def __repr__(self) -> str:
-        return f"{self.name} at {self.where} (order {self.order:.6g} of the {self.angle})"

@@ -13,6 +13,7 @@ from doormill_ros.robot_model.motion.causes.joint_friction import MotionFriction
 from doormill_ros.robot_model.motion.causes.joint_periodic_error import MotionPeriodicError
 from doormill_ros.robot_model.motion.causes.joint_stiffness import MotionStiffness
 from doormill_ros.robot_model.motion.causes.motor_inertia import MotorInertia
+from doormill_ros.robot_model.motion.causes.spring_damping import SpringDamping, TorqueSkew
 from doormill_ros.robot_model.motion.causes.time_skew import TimeSkew
 from doormill_ros.robot_model.motion.view import SeenMotion
 
@@ -25,6 +26,8 @@ LIBRARY: tuple[type[MotionCause], ...] = (
     MotionFriction,
     JointBacklash,
     JointDamping,
+    SpringDamping,
+    TorqueSkew,
     MotionPeriodicError,
 )
 

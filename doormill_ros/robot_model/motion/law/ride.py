@@ -6,10 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
-import numpy as np
-
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.motion.view import JointMotion, SeenMotion
+from doormill_ros.robot_model.motion.view import JointMotion, SeenMotion, followed
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,13 +36,7 @@ class Ride:
 
     def late_spring(self, settles: float) -> FloatArray:
         """The same as a body yields that follows its load with a time constant [s], shape (n,) [rad]."""
-        wait = np.diff(self.own.time, prepend=self.own.time[0])
-        shares = (1.0 - np.exp(-np.maximum(wait, 0.0) / settles)).tolist()
-        late, found = float(self.spring[0]), []
-        for share, now in zip(shares, self.spring.tolist(), strict=True):
-            late += share * (now - late)
-            found.append(late)
-        return np.array(found)
+        return followed(self.own.time, self.spring, settles)
 
 
 def ride_of(motion: JointMotion, company: Sequence[JointMotion], delay: float = 0.0) -> Ride:
