@@ -28,6 +28,7 @@ from doormill_ros.diagnosis.parts.correction.warming import warmed
 from doormill_ros.diagnosis.parts.doors.gauged_door import GaugedDoor
 from doormill_ros.diagnosis.parts.doors.matching import matched_points
 from doormill_ros.diagnosis.parts.doors.recorded_cut import RecordedCut, recorded_cut
+from doormill_ros.diagnosis.parts.fitting.cancelling import with_cancelling
 from doormill_ros.diagnosis.parts.fitting.course import InTime
 from doormill_ros.diagnosis.parts.fitting.problem import DoorDiagnosis, DoorProblem
 from doormill_ros.diagnosis.parts.fitting.slips import BESIDE, FAR, slips, slips_beside
@@ -116,7 +117,7 @@ class Inspections(SearchedKind[InspectedDoor, DoorProblem, InTime]):
 
     def _asked(self, problem: DoorProblem, progress: Progress) -> DoorDiagnosis:
         """What is said of the doors; of few others no change where something is left."""
-        found = self._told(problem, progress)
+        found = with_cancelling(self._told(problem, progress))
         changed = [finding.cause for finding in found.findings if finding.cause.course.steps]
         if problem.few_others and found.verdict == PARTLY_EXPLAINED and changed:
             return found.less(changed, "of so few doors, no two alike, what is left may look like a change")
