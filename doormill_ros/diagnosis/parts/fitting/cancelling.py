@@ -46,4 +46,10 @@ def with_cancelling(found: DoorDiagnosis) -> DoorDiagnosis:
 
 
 def _may_cancel(one: InTime, other: InTime) -> bool:
-    return one.named and other.named and one.course.steps and other.course.steps and one.course.at == other.course.at
+    return (
+        one.named
+        and other.named
+        and one.course.steps
+        and other.course.steps
+        and one.course.at == other.course.at
+    )

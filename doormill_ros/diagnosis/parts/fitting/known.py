@@ -33,7 +33,9 @@ def moves_enough(
         causes: The member, or several.
     """
     parts = split(members, theta)
-    without = [np.zeros_like(part) if any(member is cause for cause in causes) else part for member, part in parts]
+    without = [
+        np.zeros_like(part) if any(member is cause for cause in causes) else part for member, part in parts
+    ]
     left = moved(case, members, np.concatenate(without))[0]
     moves = moved(case, members, theta)[0] - left
     acts = moves != 0.0
