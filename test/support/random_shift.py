@@ -18,7 +18,7 @@ from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.simulation.world.door_truth import TAKT
 from doormill_ros.toolpath.errors import PathError
-from support.gauged_shift import BEGAN, Commanded, gauged_runs
+from support.gauged_shift import BEGAN, SCATTER, Commanded, gauged_runs
 from support.loop_worlds import timed
 from support.milled_worlds import commanded
 from support.source_tree import ROOT
@@ -69,7 +69,12 @@ def next_doors(seed: int) -> tuple[tuple[Recipe, np.ndarray], ...]:
 
 
 def random_shift(
-    folder: Path, world: dict, doors: tuple[Commanded, ...], seed: int, dh: np.ndarray | None = None
+    folder: Path,
+    world: dict,
+    doors: tuple[Commanded, ...],
+    seed: int,
+    dh: np.ndarray | None = None,
+    scatter: tuple[float, ...] = SCATTER,
 ) -> list[InspectedDoor]:
     """The doors as a world mills them, gauged and joined with what their runs tell.
 
@@ -79,8 +84,9 @@ def random_shift(
         doors: In order.
         seed: Of where the localizer's poses scatter.
         dh: Table of the robot that mills, shape (6, 4) [rad, m, m, rad]; None for the published one.
+        scatter: Of their places along y and z [m], and of their angles [rad].
     """
-    inspections = inspections_in(gauged_runs(folder, world, doors, seed, dh=dh))
+    inspections = inspections_in(gauged_runs(folder, world, doors, seed, scatter, dh))
     began = [BEGAN + timedelta(seconds=number * TAKT) for number in range(len(doors))]
     return [
         inspected_door(inspection, _cut_of(door, at.timestamp()))

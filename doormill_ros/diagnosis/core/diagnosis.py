@@ -16,7 +16,7 @@ from doormill_ros.diagnosis.core.examining.stability import clustered, turned_jo
 from doormill_ros.diagnosis.core.fitting.fit import Fit
 from doormill_ros.diagnosis.core.fitting.problem import C, Examined
 from doormill_ros.diagnosis.core.fitting.robust import gross_errors
-from doormill_ros.diagnosis.core.judgement import Judgement, Question, judge_question, less
+from doormill_ros.diagnosis.core.judgement import Judgement, Question, judge_question, less, weighed
 from doormill_ros.diagnosis.core.searching.beam import BeamSearch
 from doormill_ros.diagnosis.core.telling.characterised import Characterised
 from doormill_ros.diagnosis.core.words.verdict import rmse
@@ -60,6 +60,10 @@ class Diagnosis(Judgement[C, Fit[C]], Generic[P, C]):
     def less(self, causes: Sequence[C], why: str) -> Diagnosis[P, C]:
         """The same without some names, for a reason, weighed anew and without laws."""
         return _told(self.question, less(self.question, self, causes, why))
+
+    def saying(self, model: Fit[C]) -> Diagnosis[P, C]:
+        """What is said where another model is taken for the best one."""
+        return _told(self.question, weighed(self.question, self.question.examine(model)))
 
 
 def diagnose_problem(problem: P, progress: Callable[[str], None] = lambda line: None) -> Diagnosis[P, C]:

@@ -20,6 +20,7 @@ from doormill_ros.diagnosis.core.changes import (
 )
 from doormill_ros.diagnosis.core.kind import Progress, SearchedKind
 from doormill_ros.diagnosis.core.telling.account import Account, account_of
+from doormill_ros.diagnosis.core.words.verdict import PARTLY_EXPLAINED
 from doormill_ros.diagnosis.core.words.wording import Words
 from doormill_ros.diagnosis.parts.correction.in_use import in_use_document
 from doormill_ros.diagnosis.parts.correction.model import door_model_document, usable
@@ -27,6 +28,7 @@ from doormill_ros.diagnosis.parts.correction.warming import warmed
 from doormill_ros.diagnosis.parts.doors.gauged_door import GaugedDoor
 from doormill_ros.diagnosis.parts.doors.matching import matched_points
 from doormill_ros.diagnosis.parts.doors.recorded_cut import RecordedCut, recorded_cut
+from doormill_ros.diagnosis.parts.fitting.cancelling import with_cancelling
 from doormill_ros.diagnosis.parts.fitting.course import InTime
 from doormill_ros.diagnosis.parts.fitting.problem import DoorDiagnosis, DoorProblem
 from doormill_ros.diagnosis.parts.fitting.slips import BESIDE, FAR, slips, slips_beside
@@ -114,6 +116,14 @@ class Inspections(SearchedKind[InspectedDoor, DoorProblem, InTime]):
         return asked_beside(self._asked(self.problem(sets), progress), self._asked, progress)
 
     def _asked(self, problem: DoorProblem, progress: Progress) -> DoorDiagnosis:
+        """What is said of the doors; of few others no change where something is left."""
+        found = with_cancelling(self._told(problem, progress))
+        changed = [finding.cause for finding in found.findings if finding.cause.course.steps]
+        if problem.few_others and found.verdict == PARTLY_EXPLAINED and changed:
+            return found.less(changed, "of so few doors, no two alike, what is left may look like a change")
+        return found
+
+    def _told(self, problem: DoorProblem, progress: Progress) -> DoorDiagnosis:
         """Look for steps, search, examine and weigh, again where slips or the doors' places make that necessary.
 
         How far doors scatter is seen by what the model in question leaves. Where what was found shows that they scatter

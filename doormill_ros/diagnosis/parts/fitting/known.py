@@ -21,19 +21,21 @@ SHARE = 0.02  #: of what a drift moves the points by, to which its law in time i
 
 
 def moves_enough(
-    case: CutCase, flank: float, members: Sequence[InTime], theta: FloatArray, cause: InTime
+    case: CutCase, flank: float, members: Sequence[InTime], theta: FloatArray, *causes: InTime
 ) -> Check:
-    """Whether a member of a model moves the points that it acts on by more than that.
+    """Whether a member of a model, or several together, move the points that they act on by more than that.
 
     Args:
         case: The points.
         flank: Standard deviation to which the flank of a mill is known [m].
         members: Of the model.
         theta: Its numbers, shape (p,).
-        cause: The member.
+        causes: The member, or several.
     """
     parts = split(members, theta)
-    without = [np.zeros_like(part) if member is cause else part for member, part in parts]
+    without = [
+        np.zeros_like(part) if any(member is cause for cause in causes) else part for member, part in parts
+    ]
     left = moved(case, members, np.concatenate(without))[0]
     moves = moved(case, members, theta)[0] - left
     acts = moves != 0.0
@@ -43,7 +45,7 @@ def moves_enough(
     drift = left - moved(case, members, np.concatenate(still))[0]
     known = float(np.hypot(flank, SHARE * np.sqrt(np.mean(drift**2))))
     margin = Margin(
-        f"{cause!r} moves the points by multiples of what mill and drifts are known to",
+        f"{' and '.join(map(repr, causes))} moves the points by multiples of what mill and drifts are known to",
         size / known,
         SURE,
         "share",

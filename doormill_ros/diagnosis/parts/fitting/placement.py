@@ -26,6 +26,7 @@ _LEAST = 0.01
 _PAIRS = 4  #: neighbouring doors of one recipe from which on their differences tell the scatter
 _MEDIAN = 0.6745  #: of the size of a normal number, in standard deviations
 _NEIGHBOURS = 5  #: neighbouring doors of any recipe from which on theirs do
+_BESIDE_STEP = 5  #: doors from which on those on one side of a step tell it
 #: Chance that doors which are too few for either scatter more than they are taken to.
 _UNDERSTATED = 0.05
 
@@ -136,8 +137,11 @@ def scatter_between(places: FloatArray, recipe: Sequence[str], stated: FloatArra
         # A step shows in one of these, what is wrong with one recipe in most: either can only make them larger.
         steps = np.abs(np.diff(places, axis=0))
         variance.append((np.median(steps, axis=0) / _MEDIAN) ** 2 / 2.0)
-    if len(variance) == 1 and len(found) >= 2:
+    few = len(variance) == 1
+    if few and len(found) >= 2:
         variance.append(_scatter_of_few(found, stated))
+    if few and len(places) >= _BESIDE_STEP:
+        variance.append(_scatter_beside_step(places, stated))
     result: FloatArray = np.maximum(np.min(variance, axis=0), _LEAST * stated)
     return result
 
@@ -155,6 +159,26 @@ def _scatter_of_few(pairs: FloatArray, stated: FloatArray) -> FloatArray:
     count = len(pairs) // 2
     apart = (pairs[0 : 2 * count : 2] - pairs[1 : 2 * count : 2]) / np.sqrt(stated)
     share = np.sum(apart**2) / 4.0 / chi2_ppf(_UNDERSTATED, apart.size)
+    return np.asarray(share * stated)
+
+
+def _scatter_beside_step(places: FloatArray, stated: FloatArray) -> FloatArray:
+    """Variance of the places of few doors of any recipes, shape (3,): the stated one by a share, taken high.
+
+    The door at which they would scatter least if they stood elsewhere from there on is one of several that it could be
+    (Bonferroni). What is wrong with one recipe more than with another can only make it larger.
+
+    Args:
+        places: Fitted place of each door, shape (d, 3).
+        stated: Variances that the localizer states, shape (3,).
+    """
+    size = places / np.sqrt(stated)
+    within = [
+        sum(float(np.sum((side - side.mean(axis=0)) ** 2)) for side in (size[:step], size[step:]))
+        for step in range(1, len(size))
+    ]
+    free = (len(size) - 2) * size.shape[1]
+    share = min(within) / chi2_ppf(_UNDERSTATED / len(within), free)
     return np.asarray(share * stated)
 
 

@@ -219,14 +219,20 @@ class DoorProblem(Examined[InTime]):
         if len(self.doors) < DOORS_OVER_TIME:
             return found
         over = times[0], times[-1]
+        kinds = (
+            (BEGINS, "from"),
+            (CHANGES, "changed from"),
+            (WEARS_AND_CHANGES, "drifting, changed from"),
+        )
         for step in self.steps:
-            for kind, word in (
-                (BEGINS, "from"),
-                (CHANGES, "changed from"),
-                (WEARS_AND_CHANGES, "drifting, changed from"),
-            ):
+            for kind, word in kinds[: 1 if self.few_others else None]:
                 found.append(SizeCourse(kind, times[step], *over, words=f"{word} {self.doors[step].name} on"))
         return [*found, *(SizeCourse(kind, times[0], *over, words="drifting") for kind in (DRIFTS, GROWS))]
+
+    @property
+    def few_others(self) -> bool:
+        """Whether they are just enough for a change, and no two alike: what is left may pass for one then."""
+        return len({door.recipe for door in self.doors}) == len(self.doors) == DOORS_OVER_TIME
 
     def candidates(self) -> list[InTime]:
         """Every effect with every course that it may have."""

@@ -18,7 +18,7 @@ from doormill_ros.diagnosis.parts.fitting.course import InTime
 from doormill_ros.diagnosis.parts.fitting.problem import DOORS_OVER_TIME, DoorProblem
 from doormill_ros.statistics import NORMAL_STD
 
-MIXED, _FEW = 2.0 / 3.0, 5  #: share of the doors that recipes are more than, and how many, to be a mixture
+MIXED, _FEW = 2.0 / 3.0, 4  #: share of the doors that recipes are more than, and how many, to be a mixture
 MOST = 3  #: steps that are proposed
 _SEEN = 1e-6  #: share of the best seen direction below which another is not seen
 _ROUNDS = 6  #: effects that may join
