@@ -9,7 +9,7 @@ from typing import Any
 
 import yaml
 
-from doormill_ros.cell import topic_names
+from doormill_ros.cell.graph import topic_names
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.recording.errors import BadTimelineError
 

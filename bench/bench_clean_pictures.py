@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(ROOT), str(ROOT / "bench"), str(ROOT / "test")]
 
 # ruff: noqa: E402
-from doormill_ros.cell.layout import DoorOffset, load_layout
+from doormill_ros.cell.places.layout import DoorOffset, load_layout
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.localizer import localize
 from doormill_ros.localization.settings import load_settings

@@ -29,7 +29,7 @@ from rich.table import Table
 from scipy.stats import binom
 from wrong_pose import distance, is_wrong
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.errors import LocalizationError
 from doormill_ros.localization.localizer import localize, prepare

@@ -13,7 +13,7 @@ from scipy.optimize import least_squares
 
 from doormill_ros.diagnosis.loading.patterns import unnamed_patterns
 from doormill_ros.diagnosis.loading.problem import LoadingProblem as Problem
-from doormill_ros.measurements.measurement_set import MeasurementSet, read_measurement_set
+from doormill_ros.measurements.sets.measurement_set import MeasurementSet, read_measurement_set
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
 from doormill_ros.robot_model.elastic.causes.registry import candidates

@@ -26,7 +26,7 @@ from rich.console import Console
 from rich.table import Table
 from wrong_pose import distance, is_wrong
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.localization.errors import LocalizationError
 from doormill_ros.localization.localizer import localize, prepare
 from doormill_ros.simulation.picture.picture import render_picture

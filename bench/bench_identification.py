@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.correction.compensate import compensate
 from doormill_ros.robot.branch import choose_branch
 from doormill_ros.robot.description import load_robot

@@ -17,7 +17,7 @@ from doormill_ros.abb.target_file.target_file import check_handover
 from doormill_ros.abb.transport import Transport
 from doormill_ros.abb.transports.rws import connect_rws1
 from doormill_ros.abb.transports.simulated_folder import SimulatedFolderTransport
-from doormill_ros.simulation.controller.io_configuration import ACCESS_LEVELS
+from doormill_ros.simulation.controller.configuration.io_configuration import ACCESS_LEVELS
 from doormill_ros.simulation.controller.rws_server.cabinet import (
     Cabinet,
     SimulatedSignal,

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from held import Held, held_by, size_of
 
-from doormill_ros.cell.run_folder import ShiftFolder
+from doormill_ros.cell.output.run_folder import ShiftFolder
 from harness import Entry, limit
 from support.cell_processes import executable
 

@@ -24,7 +24,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / "bench"), str(ROOT / "test")]
 # ruff: noqa: E402
 from wrong_pose import distance, is_wrong
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.errors import LocalizationError
 from doormill_ros.localization.localizer import localize, prepare

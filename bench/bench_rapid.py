@@ -8,16 +8,16 @@ import time
 from pathlib import Path
 
 from doormill_ros.abb.target_file.target_file import read_target_file, render_target_file
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.resources import resource
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot_model.elastic.joint_springs import JointSpringModel
-from doormill_ros.simulation.controller.arm import ControllerArm
+from doormill_ros.simulation.controller.configuration.installed import OWN_MODULES
 from doormill_ros.simulation.controller.controller import VirtualController
-from doormill_ros.simulation.controller.installed import OWN_MODULES
-from doormill_ros.simulation.controller.process import module_process
+from doormill_ros.simulation.controller.motions.arm import ControllerArm
 from doormill_ros.simulation.controller.rapid.parser import parse_module
+from doormill_ros.simulation.controller.records.process import module_process
 from doormill_ros.simulation.truth.robot import TruthRobot
 from doormill_ros.toolpath.generate import generate_program
 from doormill_ros.toolpath.program import MillingProgram

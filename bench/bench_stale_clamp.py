@@ -29,7 +29,7 @@ from rich.console import Console
 from rich.table import Table
 from wrong_pose import is_wrong
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.localization.empty_clamp.stale_clamp import fit_clamp
 from doormill_ros.localization.errors import LocalizationError
 from doormill_ros.localization.localizer import localize

@@ -7,7 +7,7 @@ import logging
 import numpy as np
 import shapely
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.correction.loaded_robot import LoadedRobot
 from doormill_ros.correction.loads import certain
 from doormill_ros.frames import apply_twist, inverse, twist_between
@@ -15,7 +15,7 @@ from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot_model.elastic.joint_springs import JointSpringModel
-from doormill_ros.simulation.controller.executed_path import ExecutedPath
+from doormill_ros.simulation.controller.records.executed_path import ExecutedPath
 from doormill_ros.simulation.judge.milled_part import inspect
 from doormill_ros.toolpath.generate import generate_program
 from harness import Entry, compare

@@ -25,7 +25,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / "bench"), str(ROOT / "test")]
 # ruff: noqa: E402
 from wrong_pose import WRONG_ANGLE, WRONG_PLACE, WRONG_SIGMA, distance, error, is_wrong, sigma
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.errors import LocalizationError
 from doormill_ros.localization.localizer import localize, prepare

@@ -20,7 +20,7 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(ROOT), str(ROOT / "bench"), str(ROOT / "test")]
 
 # ruff: noqa: E402
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.frames import apply_twist, transform
 from doormill_ros.localization.calibration.chessboard import Chessboard, find_corners
 from doormill_ros.localization.calibration.errors import CalibrationError

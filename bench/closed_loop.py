@@ -24,10 +24,10 @@ from rclpy.node import Node
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from doormill_interfaces.srv import AcceptModel
-from doormill_ros.cell.run_folder import ShiftFolder
+from doormill_ros.cell.output.run_folder import ShiftFolder
 from doormill_ros.diagnosis.core.kind import run
 from doormill_ros.diagnosis.parts.kind import Inspections
-from doormill_ros.measurements.inspection import read_inspection
+from doormill_ros.measurements.inspections.inspection import read_inspection
 from doormill_ros.monitor.watch_state import WatchState
 from doormill_ros.nodes.one_process.cell import CellOptions
 from doormill_ros.nodes.one_process.monitor_beside import ModelMonitorBeside

@@ -17,7 +17,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / "test")]
 
 from page_part import put  # noqa: E402
 
-from doormill_ros.cell.layout import CellLayout, DoorOffset, load_layout  # noqa: E402
+from doormill_ros.cell.places.layout import CellLayout, DoorOffset, load_layout  # noqa: E402
 from doormill_ros.frames import apply, apply_twist, twist_between  # noqa: E402
 from doormill_ros.localization.errors import LocalizationError  # noqa: E402
 from doormill_ros.localization.sensors.registry import SENSORS  # noqa: E402

@@ -23,7 +23,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "test"))
 from rich.console import Console
 from rich.table import Table
 
-from doormill_ros.cell.readiness import BESIDE, NEEDED
+from doormill_ros.cell.graph.readiness import BESIDE, NEEDED
 from support.source_tree import ROOT
 
 CONTAINER = ROOT / "deploy" / "container"

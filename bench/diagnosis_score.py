@@ -23,7 +23,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "test"))
 
 from doormill_ros.diagnosis.core.telling.account import parameters_of
 from doormill_ros.diagnosis.loading.problem import LoadingDiagnosis
-from doormill_ros.measurements.measurement_set import read_measurement_set
+from doormill_ros.measurements.sets.measurement_set import read_measurement_set
 from doormill_ros.robot.description import load_robot
 from support.diagnoses import diagnose_set
 from support.truth.hidden_effects import (

@@ -38,7 +38,7 @@ from doormill_ros.diagnosis.pose.coverage import BINS
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis, diagnose_poses
 from doormill_ros.diagnosis.pose.fitting.fit import contiguous, fit_causes, place_nominally
 from doormill_ros.diagnosis.pose.fitting.placement import Seen, place_together
-from doormill_ros.measurements.pose_set import PoseSet, read_pose_set
+from doormill_ros.measurements.sets.pose_set import PoseSet, read_pose_set
 from doormill_ros.robot_model.pose.causes.joint_sag import JointSag
 from doormill_ros.robot_model.pose.causes.link_geometry import LinkGeometry
 from doormill_ros.robot_model.pose.chain import residual

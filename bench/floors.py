@@ -26,7 +26,7 @@ from std_msgs.msg import Empty
 
 from doormill_ros.abb.credentials import Credentials
 from doormill_ros.abb.transports.rws import connect_rws1
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.nodes.base.topics import DOOR_POSE, IMAGE, PATH_TARGETS, Topic
 from doormill_ros.nodes.cell_simulator import make_room_for_pictures
 from doormill_ros.nodes.convert.picture import picture_message

@@ -23,7 +23,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / "test")]
 
 from doormill_ros.diagnosis.motion.account import check_set, named_causes  # noqa: E402
 from doormill_ros.diagnosis.motion.diagnosis import diagnose_motions  # noqa: E402
-from doormill_ros.measurements.motion_set import MotionSet, read_motion_set  # noqa: E402
+from doormill_ros.measurements.sets.motion_set import MotionSet, read_motion_set  # noqa: E402
 from support.motion_world import FOREIGN, LIBRARY, Recording, hide, record  # noqa: E402
 
 DATA = ROOT / "test" / "data" / "kr300"

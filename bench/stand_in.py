@@ -23,7 +23,7 @@ from doormill_ros.nodes.base.node_parameter import NodeParameter
 from doormill_ros.nodes.cell_simulator import make_room_for_pictures
 from doormill_ros.nodes.process.run import run_nodes
 from doormill_ros.nodes.simulated.camera_simulator import CameraSimulator
-from doormill_ros.simulation.controller.io_port import FolderIo
+from doormill_ros.simulation.controller.cabinet.io_port import FolderIo
 
 POLL = 0.002  # s
 LIMIT = 60.0  # s

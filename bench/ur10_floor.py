@@ -29,7 +29,7 @@ from ur10_tables import UM, rms, table
 
 from doormill_ros.diagnosis.pose.coverage import bin_of, covered
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis, diagnose_poses
-from doormill_ros.measurements.pose_set import read_pose_set
+from doormill_ros.measurements.sets.pose_set import read_pose_set
 from doormill_ros.robot_model.pose.chain import derivatives, joint_turn
 
 #: Poses are the same within this distance of cosines and sines of their angles.

@@ -10,7 +10,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "test"))
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.layout import DoorOffset
+from doormill_ros.cell.places.layout import DoorOffset
 from doormill_ros.pipeline.plan import MillingSetup, load_setup, plan
 from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.recipes.recipe import Recipe

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.layout import DoorOffset
+from doormill_ros.cell.places.layout import DoorOffset
 from doormill_ros.localization.result import Localization
 from doormill_ros.units import DEG, MM
 

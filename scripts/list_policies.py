@@ -15,8 +15,8 @@ from xml.etree import ElementTree
 
 from rclpy.node import Node
 
-from doormill_ros.cell.layout import CAMERA
-from doormill_ros.cell.run_folder import RunFolder
+from doormill_ros.cell.output.run_folder import RunFolder
+from doormill_ros.cell.places.layout import CAMERA
 from doormill_ros.localization.gige.library import Aravis
 from doormill_ros.localization.sensors.registry import CELL_SENSORS
 from doormill_ros.nodes.folder_camera import FolderCamera

@@ -16,7 +16,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from doormill_ros.cell.errors import BadCellFile
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.config import check, read
 from doormill_ros.errors import DoormillError
 from doormill_ros.localization.camera import load_camera
@@ -32,7 +32,7 @@ from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.errors import RobotDescriptionError
 from doormill_ros.robot_model.errors import ExtendedModelError
 from doormill_ros.robot_model.extended_model import load_compliance_model
-from doormill_ros.simulation.controller.limits import load_limits
+from doormill_ros.simulation.controller.motions.limits import load_limits
 from doormill_ros.simulation.errors import (
     ControllerLimitsError,
     EffectsFileError,

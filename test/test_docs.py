@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from doormill_ros.backup.errors import BackupEntryError, NewerBackupError, TornBackupError
-from doormill_ros.cell.readiness import SILENCE
+from doormill_ros.cell.graph.readiness import SILENCE
 from support.commands import TOOLS, Command, commands_of, complaint, parser_of
 from support.package_nodes import reporting_nodes
 from support.source_tree import ROOT

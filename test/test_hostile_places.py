@@ -11,16 +11,16 @@ from pathlib import Path
 import pytest
 
 from doormill_ros.errors import LONGEST, DoormillError
-from doormill_ros.measurements.picture_set import read_picture_set
-from doormill_ros.measurements.schemas import PICTURE_SET as PICTURES
-from doormill_ros.measurements.set_document import SetDocument
+from doormill_ros.measurements.documents.schemas import PICTURE_SET as PICTURES
+from doormill_ros.measurements.documents.set_document import SetDocument
+from doormill_ros.measurements.sets.picture_set import read_picture_set
 from doormill_ros.models.store import RECORD, ModelStore
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.recipes.exchange.files import read_file
 from doormill_ros.resources import resource
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot_model.extended_model import load_compliance_model
-from doormill_ros.simulation.controller.event_routines import read_event_routines
+from doormill_ros.simulation.controller.configuration.event_routines import read_event_routines
 from doormill_ros.simulation.controller.operation.configuration import read_system_outputs
 from support.hostile.keeping import spelt_anew
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from doormill_ros.catalogue.errors import BadRunRecordError
 from doormill_ros.catalogue.run import CataloguedInspection, CataloguedRun
 from doormill_ros.catalogue.run_collector import RunCollector, topic_of
-from doormill_ros.cell.inspection_files import BESIDE_BAG, DESCRIPTION
+from doormill_ros.cell.output.inspection_files import BESIDE_BAG, DESCRIPTION
 from doormill_ros.config import read_document
 from doormill_ros.recording.bag_folders import content_of_bag
 from doormill_ros.recording.bag_reader import read_bag

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from doormill_ros.catalogue.run_collector import RunCollector
-from doormill_ros.cell.topic_names import RUN_RESULT
+from doormill_ros.cell.graph.topic_names import RUN_RESULT
 from doormill_ros.errors import DoormillError, unexpected
 
 if TYPE_CHECKING:

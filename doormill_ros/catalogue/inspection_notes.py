@@ -12,7 +12,7 @@ from doormill_ros.catalogue.bag_rows import read_inspection_row
 from doormill_ros.catalogue.database import Catalogue
 from doormill_ros.catalogue.errors import BadRunRecordError
 from doormill_ros.catalogue.run import CataloguedInspection
-from doormill_ros.cell.inspection_files import DESCRIPTION
+from doormill_ros.cell.output.inspection_files import DESCRIPTION
 from doormill_ros.errors import DoormillError, unexpected
 
 RETRY = 30.0  # s, between two tries while the database is away

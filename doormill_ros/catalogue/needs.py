@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from doormill_ros.catalogue.errors import BadRetentionError, BadRunRecordError
-from doormill_ros.cell.inspection_files import DESCRIPTION
-from doormill_ros.cell.node_names import MODEL_MONITOR
+from doormill_ros.cell.graph.node_names import MODEL_MONITOR
+from doormill_ros.cell.output.inspection_files import DESCRIPTION
 from doormill_ros.config import read_document
 from doormill_ros.resources import resource, site_folder
 

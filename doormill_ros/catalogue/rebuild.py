@@ -10,7 +10,7 @@ from pathlib import Path
 from doormill_ros.catalogue.bag_rows import is_text, read_inspection_row, read_rows
 from doormill_ros.catalogue.database import Catalogue
 from doormill_ros.catalogue.retention import RETIRED
-from doormill_ros.cell.inspection_files import DESCRIPTION
+from doormill_ros.cell.output.inspection_files import DESCRIPTION
 from doormill_ros.errors import DoormillError
 from doormill_ros.recording.bag_folders import bags_in, is_bag
 

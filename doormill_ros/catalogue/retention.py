@@ -11,7 +11,7 @@ from doormill_ros.catalogue.database import Catalogue, Selection
 from doormill_ros.catalogue.errors import BadRetentionError
 from doormill_ros.catalogue.needs import Needs, find_needs
 from doormill_ros.catalogue.run import CatalogueRow
-from doormill_ros.cell.inspection_files import BESIDE_BAG, DESCRIPTION
+from doormill_ros.cell.output.inspection_files import BESIDE_BAG, DESCRIPTION
 from doormill_ros.recording.bag_folders import content_of_bag
 from doormill_ros.recording.bag_reader import bag_files
 from doormill_ros.recording.metadata import METADATA

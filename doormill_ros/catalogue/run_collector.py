@@ -11,7 +11,13 @@ from typing import Any
 
 from doormill_ros.catalogue.errors import BadRunRecordError
 from doormill_ros.catalogue.run import NO_VERSION, CataloguedRun
-from doormill_ros.cell.topic_names import DOOR_LOCALIZATION, DOOR_RECIPE, PATH_TARGETS, RUN_RESULT, name_of
+from doormill_ros.cell.graph.topic_names import (
+    DOOR_LOCALIZATION,
+    DOOR_RECIPE,
+    PATH_TARGETS,
+    RUN_RESULT,
+    name_of,
+)
 from doormill_ros.errors import one_line
 from doormill_ros.messages.stamps import nanoseconds_of
 from doormill_ros.recipes.stamp import STAMP

@@ -17,7 +17,7 @@ except ImportError:  # its name until Pinocchio 3
     import hppfcl as coal
 
 from doormill_ros.arrays import BoolArray, FloatArray, IntArray
-from doormill_ros.cell.layout import CellLayout
+from doormill_ros.cell.places.layout import CellLayout
 from doormill_ros.collision.placed import Placed
 from doormill_ros.collision.separation import Bodies, Region, curve_of
 from doormill_ros.collision.skeleton import Skeleton, model_of, skeleton_of

@@ -6,7 +6,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.errors import BadCellFile
-from doormill_ros.cell.gravity import Gravity
+from doormill_ros.cell.places.gravity import Gravity
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot_model.elastic.compliance import ComplianceModel, StandingModel

@@ -18,9 +18,15 @@ from typing import TYPE_CHECKING, Any
 
 from doormill_ros.diagnosis.listed_kind import FurtherOption, ListedKind
 from doormill_ros.diagnosis.runs.limits import MOST
+from doormill_ros.measurements.documents.schemas import (
+    INSPECTION,
+    MEASUREMENT_SET,
+    MOTION_SET,
+    PICTURE_SET,
+    POSE_SET,
+)
+from doormill_ros.measurements.documents.set_document import SetDocument
 from doormill_ros.measurements.errors import SetMixError
-from doormill_ros.measurements.schemas import INSPECTION, MEASUREMENT_SET, MOTION_SET, PICTURE_SET, POSE_SET
-from doormill_ros.measurements.set_document import SetDocument
 
 if TYPE_CHECKING:
     from doormill_ros.diagnosis.core.kind import Kind

@@ -27,9 +27,9 @@ from doormill_ros.files import write_atomically
 from doormill_ros.frames import rotation_z
 from doormill_ros.identification.payload import Payload, identify_payload
 from doormill_ros.identification.process_forces import SegmentForce, lever_arm, segment_forces
-from doormill_ros.measurements.raw_files import read_force_log
-from doormill_ros.measurements.set_document import SetDocument
-from doormill_ros.measurements.steady import steady_window
+from doormill_ros.measurements.documents.set_document import SetDocument
+from doormill_ros.measurements.raw.raw_files import read_force_log
+from doormill_ros.measurements.raw.steady import steady_window
 from doormill_ros.robot.chain import JOINTS
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.errors import RobotError

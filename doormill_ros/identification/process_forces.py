@@ -27,8 +27,8 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import rotation_z
 from doormill_ros.identification.errors import SegmentError
 from doormill_ros.identification.payload import Payload
-from doormill_ros.measurements.force_sensor import MOUNTING_ROTATION, sensor_to_flange
-from doormill_ros.measurements.raw_files import Recording
+from doormill_ros.measurements.raw.force_sensor import MOUNTING_ROTATION, sensor_to_flange
+from doormill_ros.measurements.raw.raw_files import Recording
 
 #: Fewest samples of a segment that make a mean.
 FEWEST_SAMPLES = 5

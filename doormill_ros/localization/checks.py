@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import ByteArray, FloatArray, IntArray
-from doormill_ros.cell.clock import FUTURE
-from doormill_ros.cell.layout import CAMERA_SLACK, DoorOffset, PlacementLimits
+from doormill_ros.cell.places.layout import CAMERA_SLACK, DoorOffset, PlacementLimits
+from doormill_ros.cell.run.clock import FUTURE
 from doormill_ros.localization.camera import CameraModel
 from doormill_ros.localization.edge_points.blur import Spread
 from doormill_ros.localization.edge_points.profiles import WHITE, Profiles

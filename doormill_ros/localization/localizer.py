@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 
 from doormill_ros.arrays import ByteArray, FloatArray, IntArray
-from doormill_ros.cell.layout import CellLayout, DoorOffset
+from doormill_ros.cell.places.layout import CellLayout, DoorOffset
 from doormill_ros.localization import checks
 from doormill_ros.localization.camera import CameraModel
 from doormill_ros.localization.empty_clamp.clamp_lines import FaceInClamp, check_clamp, smoothed

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from doormill_ros.arrays import ByteArray
-from doormill_ros.cell.layout import CellLayout
+from doormill_ros.cell.places.layout import CellLayout
 from doormill_ros.localization.camera import CameraModel
 from doormill_ros.localization.view import BOTTOM, HINGE, face_view
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray
-from doormill_ros.cell.layout import DoorOffset
+from doormill_ros.cell.places.layout import DoorOffset
 from doormill_ros.localization.empty_clamp.stale_clamp import ClampFit
 from doormill_ros.localization.marks.drift import Drift
 

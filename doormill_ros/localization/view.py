@@ -13,7 +13,7 @@ from math import cos, sin
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.layout import CellLayout
+from doormill_ros.cell.places.layout import CellLayout
 from doormill_ros.localization.camera import CameraModel
 
 HINGE, BOTTOM = "hinge", "bottom"

@@ -13,7 +13,7 @@ import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray, IntArray
 from doormill_ros.frames import rotate_wrench, rotation_z
-from doormill_ros.measurements.measurement_set import MeasurementSet
+from doormill_ros.measurements.sets.measurement_set import MeasurementSet
 from doormill_ros.robot.chain import JOINTS
 from doormill_ros.robot.kinematics import Kinematics
 

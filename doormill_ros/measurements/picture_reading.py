@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.layout import CellLayout, DoorOffset
+from doormill_ros.cell.places.layout import CellLayout, DoorOffset
 from doormill_ros.localization.camera import CameraModel
 from doormill_ros.localization.result import Localization
 from doormill_ros.localization.view import BOTTOM, HINGE, FaceView

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.inspection import MeasuredDoor
-from doormill_ros.cell.tolerance import TOLERANCE
+from doormill_ros.cell.output.inspection import MeasuredDoor
+from doormill_ros.cell.places.tolerance import TOLERANCE
 from doormill_ros.frames import from_xyzw
 from doormill_ros.localization.sensors.sensed_door import SensedDoor
 from doormill_ros.recipes.documents import parse_json

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from doormill_ros.cell.layout import OFFSETS
+from doormill_ros.cell.places.layout import OFFSETS
 from doormill_ros.units import m_to_mm, rad_to_mrad
 
 STEP, DRIFT = "step", "drift"

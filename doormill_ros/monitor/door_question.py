@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from doormill_ros.cell.inspection_files import DESCRIPTION, TABLE
+from doormill_ros.cell.output.inspection_files import DESCRIPTION, TABLE
 from doormill_ros.diagnosis.kinds import SPRINGS
 from doormill_ros.monitor.question import DiagnosisQuestion
 

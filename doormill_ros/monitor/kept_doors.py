@@ -16,11 +16,11 @@ from pathlib import Path
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.topic_names import RUN_RESULT, name_of
+from doormill_ros.cell.graph.topic_names import RUN_RESULT, name_of
 from doormill_ros.errors import DoormillError
 from doormill_ros.files import write_atomically
-from doormill_ros.measurements.inspection import Inspection, read_inspection
-from doormill_ros.measurements.inspection_writer import write_inspection
+from doormill_ros.measurements.inspections.inspection import Inspection, read_inspection
+from doormill_ros.measurements.inspections.inspection_writer import write_inspection
 from doormill_ros.messages.stamps import seconds_of
 from doormill_ros.monitor.errors import InspectionMessageError, KeepingError, UnknownRunError
 from doormill_ros.monitor.recorded_runs import RecordedRuns

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from doormill_ros.cell.topic_names import (
+from doormill_ros.cell.graph.topic_names import (
     DOOR_LOCALIZATION,
     DOOR_RECIPE,
     EXECUTED_PATH,

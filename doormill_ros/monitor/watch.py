@@ -9,9 +9,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 from doormill_ros.catalogue.known_bags import known_bag
-from doormill_ros.cell.inspection_files import DESCRIPTION
+from doormill_ros.cell.output.inspection_files import DESCRIPTION
 from doormill_ros.errors import DoormillError, unexpected
-from doormill_ros.measurements.inspection import inspections_in
+from doormill_ros.measurements.inspections.inspection import inspections_in
 from doormill_ros.models.record import StoreRecord
 from doormill_ros.models.store import ModelStore
 from doormill_ros.monitor.complaint import complained_of

@@ -29,11 +29,11 @@ from doormill_ros.abb.transports.registry import (
     open_transport,
     users_of,
 )
-from doormill_ros.cell.door_sensors import chosen_sensors
 from doormill_ros.cell.errors import NodeDoubledError
-from doormill_ros.cell.layout import load_layout
-from doormill_ros.cell.node_names import ABB_BRIDGE, DOOR_SHARES
-from doormill_ros.cell.run import LOCALIZATION, TARGETS
+from doormill_ros.cell.graph.door_sensors import chosen_sensors
+from doormill_ros.cell.graph.node_names import ABB_BRIDGE, DOOR_SHARES
+from doormill_ros.cell.places.layout import load_layout
+from doormill_ros.cell.run.run import LOCALIZATION, TARGETS
 from doormill_ros.localization.sensors.agreement import rehearse_agreement
 from doormill_ros.messages.from_message import program_of
 from doormill_ros.nodes.base import topics

@@ -19,9 +19,9 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from doormill_ros.catalogue.filler import RunFiller
 from doormill_ros.catalogue.run_collector import CELL, SOFTWARE, TOPICS, topic_of
-from doormill_ros.cell.clock import EvenClock
 from doormill_ros.cell.errors import BadParameterError
-from doormill_ros.cell.node_names import BAG_RECORDER
+from doormill_ros.cell.graph.node_names import BAG_RECORDER
+from doormill_ros.cell.run.clock import EvenClock
 from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.base.found_topics import is_hidden, matching, message_class, qos_document, type_name
 from doormill_ros.nodes.base.frame_publisher import frame_topics

@@ -8,7 +8,7 @@ import sys
 from functools import partial
 from pathlib import Path
 
-from doormill_ros.cell.two_robots import in_robot
+from doormill_ros.cell.graph.two_robots import in_robot
 from doormill_ros.nodes.base.robots import ROBOTS, robot_arguments
 from doormill_ros.nodes.process.help_page import parameters_page, words_apart
 from doormill_ros.nodes.process.run import run_nodes

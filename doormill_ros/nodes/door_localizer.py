@@ -16,8 +16,8 @@ from std_msgs.msg import Header
 
 from doormill_interfaces.msg import DoorLocalization, DoorRecipe
 from doormill_ros.arrays import ByteArray
-from doormill_ros.cell.layout import CAMERA, load_layout
-from doormill_ros.cell.node_names import DOOR_LOCALIZER
+from doormill_ros.cell.graph.node_names import DOOR_LOCALIZER
+from doormill_ros.cell.places.layout import CAMERA, load_layout
 from doormill_ros.errors import DoormillError
 from doormill_ros.frames import BASE_FRAME, CAMERA_FRAME, DOOR_FRAME
 from doormill_ros.localization.camera import CameraModel, load_camera

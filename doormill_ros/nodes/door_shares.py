@@ -13,8 +13,8 @@ from std_msgs.msg import Bool
 
 from doormill_interfaces.msg import DoorRecipe
 from doormill_ros.cell.errors import RunCutOffError
-from doormill_ros.cell.node_names import DOOR_SHARES
-from doormill_ros.cell.run import Run
+from doormill_ros.cell.graph.node_names import DOOR_SHARES
+from doormill_ros.cell.run.run import Run
 from doormill_ros.messages.from_message import recipe_of
 from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.base.managed_node import ManagedNode

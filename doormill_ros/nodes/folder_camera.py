@@ -11,7 +11,7 @@ from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from std_msgs.msg import Header
 
 from doormill_interfaces.msg import DoorRecipe
-from doormill_ros.cell.node_names import FOLDER_CAMERA
+from doormill_ros.cell.graph.node_names import FOLDER_CAMERA
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.errors import BadPicture
 from doormill_ros.localization.pictures.picture_folder import PictureFolder

@@ -13,8 +13,8 @@ from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Header
 
 from doormill_interfaces.msg import DoorLocalization, DoorRecipe
-from doormill_ros.cell.layout import CAMERA, load_layout
-from doormill_ros.cell.node_names import GIGE_CAMERA
+from doormill_ros.cell.graph.node_names import GIGE_CAMERA
+from doormill_ros.cell.places.layout import CAMERA, load_layout
 from doormill_ros.frames import BASE_FRAME
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.gige.aravis_device import AravisDevice

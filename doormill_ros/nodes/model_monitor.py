@@ -13,11 +13,11 @@ from std_msgs.msg import Header
 from doormill_interfaces.msg import DoorInspection, RunResult
 from doormill_interfaces.srv import AcceptModel, HandInInspection, RevertModel
 from doormill_ros.catalogue.inspection_notes import InspectionNotes
-from doormill_ros.cell.node_names import MODEL_MONITOR
-from doormill_ros.cell.tolerance import TOLERANCE
+from doormill_ros.cell.graph.node_names import MODEL_MONITOR
+from doormill_ros.cell.places.tolerance import TOLERANCE
 from doormill_ros.diagnosis.runs.limits import MOST
 from doormill_ros.errors import DoormillError
-from doormill_ros.measurements.inspection import CAMERA
+from doormill_ros.measurements.inspections.inspection import CAMERA
 from doormill_ros.messages.from_message import positions_of
 from doormill_ros.messages.stamps import seconds_of
 from doormill_ros.models.errors import MillingStoppedError

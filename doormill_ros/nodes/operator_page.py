@@ -27,8 +27,8 @@ from doormill_interfaces.msg import (
     TargetArray,
 )
 from doormill_ros.arrays import ByteArray
-from doormill_ros.cell.node_names import ABB_BRIDGE, OPERATOR_PAGE
-from doormill_ros.cell.two_robots import in_robot
+from doormill_ros.cell.graph.node_names import ABB_BRIDGE, OPERATOR_PAGE
+from doormill_ros.cell.graph.two_robots import in_robot
 from doormill_ros.localization.errors import BadPicture
 from doormill_ros.messages.from_message import gauged_of, inspection_of, recipe_of
 from doormill_ros.messages.picture import colours_of, picture_of

@@ -14,8 +14,8 @@ from std_msgs.msg import Header, String
 
 from doormill_interfaces.msg import DoorRecipe, TargetArray
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.clock import FUTURE
-from doormill_ros.cell.node_names import PATH_GENERATOR
+from doormill_ros.cell.graph.node_names import PATH_GENERATOR
+from doormill_ros.cell.run.clock import FUTURE
 from doormill_ros.errors import DoormillError
 from doormill_ros.frames import BASE_FRAME, TOOL_FRAME
 from doormill_ros.messages.from_message import door_pose_of, recipe_of

@@ -10,7 +10,7 @@ from std_msgs.msg import Header
 
 from doormill_interfaces.msg import DoorRecipe
 from doormill_interfaces.srv import GetRecipe, ImportRecipes, ListRecipes
-from doormill_ros.cell.node_names import RECIPE_DATABASE
+from doormill_ros.cell.graph.node_names import RECIPE_DATABASE
 from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.base.managed_node import ManagedNode
 from doormill_ros.nodes.base.named_door import check_named_once

@@ -9,10 +9,9 @@ from pathlib import Path
 
 from doormill_ros.abb.handshake.state import HandshakeState, RunOutcome
 from doormill_ros.abb.link_errors import MillingFaultError
-from doormill_ros.cell.door_sensors import node_of
 from doormill_ros.cell.errors import StageRefusedError
-from doormill_ros.cell.layout import CAMERA
-from doormill_ros.cell.node_names import (
+from doormill_ros.cell.graph.door_sensors import node_of
+from doormill_ros.cell.graph.node_names import (
     CAMERA_SIMULATOR,
     CONTROLLER_SIMULATOR,
     DOOR_SHARES,
@@ -20,7 +19,8 @@ from doormill_ros.cell.node_names import (
     RECIPE_DATABASE,
     SENSOR_SIMULATOR,
 )
-from doormill_ros.cell.run import LOCALIZATION, TARGETS, Run, StageLimits
+from doormill_ros.cell.places.layout import CAMERA
+from doormill_ros.cell.run.run import LOCALIZATION, TARGETS, Run, StageLimits
 from doormill_ros.errors import DoormillError
 from doormill_ros.localization.sensors.agreement import check_agreement
 from doormill_ros.messages.from_message import sensed_door_of

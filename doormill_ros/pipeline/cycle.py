@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from doormill_ros.cell.summary import CycleTime
+from doormill_ros.cell.output.summary import CycleTime
 from doormill_ros.errors import DoormillError
 from doormill_ros.pipeline.preview import preview
 from doormill_ros.recipes.recipe import Recipe

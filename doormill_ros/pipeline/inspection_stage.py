@@ -5,8 +5,8 @@ from __future__ import annotations
 from contextlib import suppress
 
 from doormill_ros.cell.errors import CellError
-from doormill_ros.cell.inspection import MeasuredDoor
-from doormill_ros.cell.run import Run
+from doormill_ros.cell.output.inspection import MeasuredDoor
+from doormill_ros.cell.run.run import Run
 from doormill_ros.pipeline.partners import Inspector
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Protocol
 
-from doormill_ros.cell.layout import CellLayout
+from doormill_ros.cell.places.layout import CellLayout
 from doormill_ros.localization import checks
 from doormill_ros.localization.camera import CameraModel
 from doormill_ros.localization.localizer import localize

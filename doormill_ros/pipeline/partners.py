@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from doormill_ros.abb.handshake.state import HandshakeSnapshot, RunOutcome
-from doormill_ros.cell.inspection import MeasuredDoor
-from doormill_ros.cell.run import StageAnswer
+from doormill_ros.cell.output.inspection import MeasuredDoor
+from doormill_ros.cell.run.run import StageAnswer
 
 
 class ControllerHandshake(Protocol):

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.layout import CellLayout, load_layout
-from doormill_ros.cell.two_robots import FIRST
+from doormill_ros.cell.graph.two_robots import FIRST
+from doormill_ros.cell.places.layout import CellLayout, load_layout
 from doormill_ros.correction.gravity import with_gravity
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.recipes.recipe import Recipe

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.layout import DoorOffset
-from doormill_ros.cell.two_robots import FIRST, SECOND
+from doormill_ros.cell.graph.two_robots import FIRST, SECOND
+from doormill_ros.cell.places.layout import DoorOffset
 from doormill_ros.pipeline.plan import load_setup, plan
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.toolpath.door_checks import DoorCheck, check_door

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from doormill_ros.cell.errors import StageRefusedError
-from doormill_ros.cell.run import Run
+from doormill_ros.cell.run.run import Run
 from doormill_ros.pipeline.partners import RecipeAnswer, Recipes
 
 ASK_AGAIN = 1.0  # s

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from doormill_ros.cell.errors import OutOfToleranceError
-from doormill_ros.cell.inspection import MeasuredDoor
-from doormill_ros.cell.summary import StageDurations
+from doormill_ros.cell.output.inspection import MeasuredDoor
+from doormill_ros.cell.output.summary import StageDurations
 from doormill_ros.units import m_to_mm, s_to_ms
 
 

@@ -10,9 +10,9 @@ from functools import partial
 from typing import Protocol
 
 from doormill_ros.cell.errors import CellError, StageRefusedError
-from doormill_ros.cell.run import TARGETS, Run, StageLimits
-from doormill_ros.cell.summary import StageDurations
-from doormill_ros.cell.waiting import wait_until
+from doormill_ros.cell.output.summary import StageDurations
+from doormill_ros.cell.run.run import TARGETS, Run, StageLimits
+from doormill_ros.cell.run.waiting import wait_until
 from doormill_ros.errors import DoormillError
 from doormill_ros.pipeline.inspection_stage import await_inspection
 from doormill_ros.pipeline.partners import Inspector, Recipes

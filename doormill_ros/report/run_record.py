@@ -6,10 +6,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from doormill_ros.cell import topic_names
-from doormill_ros.cell.inspection_files import BESIDE_BAG, DESCRIPTION
-from doormill_ros.cell.two_robots import SECOND, in_robot
-from doormill_ros.measurements.inspection import Inspection, read_inspection
+from doormill_ros.cell.graph import topic_names
+from doormill_ros.cell.graph.two_robots import SECOND, in_robot
+from doormill_ros.cell.output.inspection_files import BESIDE_BAG, DESCRIPTION
+from doormill_ros.measurements.inspections.inspection import Inspection, read_inspection
 from doormill_ros.messages.stamps import seconds_of
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.recording.errors import EmptyBagError

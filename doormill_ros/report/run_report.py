@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from doormill_ros import __version__
-from doormill_ros.cell import topic_names
 from doormill_ros.cell.errors import OutOfToleranceError
-from doormill_ros.cell.inspection import MILLED, NOT_MEASURED, OUT_OF_TOLERANCE, MeasuredDoor, outcome
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.graph import topic_names
+from doormill_ros.cell.output.inspection import MILLED, NOT_MEASURED, OUT_OF_TOLERANCE, MeasuredDoor, outcome
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.files import write_atomically
 from doormill_ros.localization.errors import BadPicture
 from doormill_ros.messages.from_message import gauged_of, inspection_of, program_of, recipe_of, transform_of

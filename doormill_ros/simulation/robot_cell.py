@@ -9,18 +9,18 @@ from typing import Any
 
 from doormill_ros.abb import signals
 from doormill_ros.arrays import BoolArray
-from doormill_ros.cell.layout import CellLayout
+from doormill_ros.cell.places.layout import CellLayout
 from doormill_ros.config import read
 from doormill_ros.frames import quaternion_wxyz
-from doormill_ros.simulation.controller.arm import ControllerArm
-from doormill_ros.simulation.controller.cell import DOOR_CLAMPED
+from doormill_ros.simulation.controller.cabinet.cell import DOOR_CLAMPED
+from doormill_ros.simulation.controller.cabinet.io_port import FolderIo, IoPort, MemoryIo
 from doormill_ros.simulation.controller.controller import VirtualController
-from doormill_ros.simulation.controller.executed_path import ExecutedPath
-from doormill_ros.simulation.controller.io_port import FolderIo, IoPort, MemoryIo
-from doormill_ros.simulation.controller.limits import ControllerLimits, load_limits
-from doormill_ros.simulation.controller.process import listed_process, module_process
+from doormill_ros.simulation.controller.motions.arm import ControllerArm
+from doormill_ros.simulation.controller.motions.limits import ControllerLimits, load_limits
 from doormill_ros.simulation.controller.rapid.errors import RapidStoppedError
 from doormill_ros.simulation.controller.rapid.machine import Move
+from doormill_ros.simulation.controller.records.executed_path import ExecutedPath
+from doormill_ros.simulation.controller.records.process import listed_process, module_process
 from doormill_ros.simulation.errors import EffectsFileError
 from doormill_ros.simulation.spindle_load import SpindleDrive
 from doormill_ros.simulation.truth.robot import TruthRobot

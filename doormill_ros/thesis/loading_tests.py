@@ -12,8 +12,8 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.config import read_document
 from doormill_ros.frames import rotate_wrench
 from doormill_ros.measurements.errors import LoadingTestError
-from doormill_ros.measurements.force_sensor import sensor_to_flange
 from doormill_ros.measurements.loading import Loadings
+from doormill_ros.measurements.raw.force_sensor import sensor_to_flange
 from doormill_ros.resources import resource
 from doormill_ros.robot.chain import JOINTS
 from doormill_ros.robot.description import Robot, load_robot

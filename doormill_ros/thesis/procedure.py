@@ -23,7 +23,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.measurements.errors import LoadingTestError
-from doormill_ros.measurements.raw_set import RawTest
+from doormill_ros.measurements.raw.raw_set import RawTest
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.thesis import formulas as formula
 

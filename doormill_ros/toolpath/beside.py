@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.layout import CellLayout
-from doormill_ros.cell.two_robots import FIRST
+from doormill_ros.cell.graph.two_robots import FIRST
+from doormill_ros.cell.places.layout import CellLayout
 from doormill_ros.frames import inverse
 from doormill_ros.robot.bodies import Body, load_bodies
 from doormill_ros.robot.description import Robot

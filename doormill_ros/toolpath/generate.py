@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.layout import CellLayout
+from doormill_ros.cell.places.layout import CellLayout
 from doormill_ros.correction.loaded_robot import LoadedRobot
 from doormill_ros.correction.worth import worth_of
 from doormill_ros.frames import check_transform

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.layout import SENSOR_SLACK, CellLayout
+from doormill_ros.cell.places.layout import SENSOR_SLACK, CellLayout
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.toolpath.errors import DoorPoseError
 from doormill_ros.units import m_to_mm, rad_to_deg

@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.two_robots import FIRST, SECOND
+from doormill_ros.cell.graph.two_robots import FIRST, SECOND
 from doormill_ros.frames import inverse
 from doormill_ros.recipes.door import Side
 from doormill_ros.recipes.recipe import Recipe

@@ -15,7 +15,7 @@ from doormill_ros.catalogue.needs import monitor_folders
 from doormill_ros.catalogue.rebuild import rebuild
 from doormill_ros.catalogue.retention import Judged, Retention, judge, retain
 from doormill_ros.catalogue.run import CatalogueRow
-from doormill_ros.cell.inspection import outcome
+from doormill_ros.cell.output.inspection import outcome
 from doormill_ros.errors import DoormillError
 from doormill_ros.interrupts import interruptible
 from doormill_ros.recipes.store.engine import check_file

@@ -13,13 +13,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from doormill_ros.cell.errors import BadParameterError, RosArgumentsError
-from doormill_ros.cell.node_names import CAMERA_SIMULATOR, CONTROLLER_SIMULATOR, OPERATOR_PAGE, PATH_GENERATOR
-from doormill_ros.cell.run_folder import point_latest
+from doormill_ros.cell.graph.node_names import (
+    CAMERA_SIMULATOR,
+    CONTROLLER_SIMULATOR,
+    OPERATOR_PAGE,
+    PATH_GENERATOR,
+)
+from doormill_ros.cell.output.run_folder import point_latest
 from doormill_ros.interrupts import die_of_interrupts, interrupt_once, interruptible
 from doormill_ros.tools.cell_options import parse
 
 if TYPE_CHECKING:
-    from doormill_ros.cell.summary import RunSummary
+    from doormill_ros.cell.output.summary import RunSummary
     from doormill_ros.operator.access.token import Keys
 
 OUT_OF_TOLERANCE_STATUS = 3
@@ -63,7 +68,7 @@ def _parameters(options: argparse.Namespace) -> Parameters:
 
 def _mill_door(options: argparse.Namespace, parameters: Parameters, alone: bool) -> int:
     """Mill one door, write and tell of its report; the status of `main`."""
-    from doormill_ros.cell.inspection import OUT_OF_TOLERANCE
+    from doormill_ros.cell.output.inspection import OUT_OF_TOLERANCE
     from doormill_ros.errors import DoormillError
     from doormill_ros.nodes.one_process.cell import CellOptions, run_once
     from doormill_ros.pages.charts import import_matplotlib
@@ -125,7 +130,7 @@ def _mill_door(options: argparse.Namespace, parameters: Parameters, alone: bool)
 
 def _page(options: argparse.Namespace, folder: Path) -> dict[str, object]:
     """Parameters of the operator's page, which shows earlier runs where this one is kept beside them."""
-    from doormill_ros.cell.run_folder import RunFolder
+    from doormill_ros.cell.output.run_folder import RunFolder
 
     page: dict[str, object] = {"port": options.ui}
     if options.out is None:
@@ -169,7 +174,7 @@ def _tell(summary: RunSummary, folder: Path) -> None:
 
 def _mill_shift(options: argparse.Namespace, parameters: Parameters, alone: bool) -> int:
     """Mill doors one after the other; 0 when nothing is wrong with any, 1 otherwise, 2 when a file cannot be used."""
-    from doormill_ros.cell.run_folder import ShiftFolder
+    from doormill_ros.cell.output.run_folder import ShiftFolder
     from doormill_ros.errors import DoormillError
     from doormill_ros.nodes.one_process.cell import CellOptions
     from doormill_ros.nodes.one_process.monitor_beside import ModelMonitorBeside

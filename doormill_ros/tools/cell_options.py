@@ -137,7 +137,7 @@ def _check(parser: argparse.ArgumentParser, options: argparse.Namespace) -> None
 def _check_sensors(parser: argparse.ArgumentParser, sensors: list[str]) -> None:
     if not sensors:
         return
-    from doormill_ros.cell.layout import CAMERA
+    from doormill_ros.cell.places.layout import CAMERA
 
     allowed = (CAMERA, *SIMULATED_SENSORS)
     if any(name not in allowed for name in sensors) or len(set(sensors)) < len(sensors):

@@ -79,7 +79,7 @@ def from_measurement_set(folder: Path) -> Outcome:
     from doormill_ros.identification.outliers import fit_without_outliers
     from doormill_ros.identification.weighted import fit_by_preload
     from doormill_ros.measurements.loading import loadings_of_set
-    from doormill_ros.measurements.measurement_set import read_measurement_set
+    from doormill_ros.measurements.sets.measurement_set import read_measurement_set
     from doormill_ros.robot.description import load_robot
     from doormill_ros.robot.kinematics import Kinematics
 
@@ -107,7 +107,7 @@ def from_raw(folder: Path) -> Outcome:
     """
     from doormill_ros.identification.joint_by_joint import identify_joint_by_joint
     from doormill_ros.identification.weighted import fit_stiffness
-    from doormill_ros.measurements.raw_set import read_raw_set
+    from doormill_ros.measurements.raw.raw_set import read_raw_set
     from doormill_ros.robot.kinematics import Kinematics
     from doormill_ros.thesis.procedure import thesis_stiffness
 

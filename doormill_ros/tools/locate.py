@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.errors import DoormillError
 from doormill_ros.files import write_atomically
 from doormill_ros.frames import BASE_FRAME

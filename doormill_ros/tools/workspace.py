@@ -13,7 +13,7 @@ import numpy as np
 from rich.console import Console
 from rich.progress import Progress
 
-from doormill_ros.cell.layout import CellLayout, load_layout
+from doormill_ros.cell.places.layout import CellLayout, load_layout
 from doormill_ros.errors import DoormillError
 from doormill_ros.files import write_atomically
 from doormill_ros.interrupts import interruptible

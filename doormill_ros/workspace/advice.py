@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.layout import CellLayout, DoorOffset
-from doormill_ros.cell.two_robots import FIRST, SECOND
+from doormill_ros.cell.graph.two_robots import FIRST, SECOND
+from doormill_ros.cell.places.layout import CellLayout, DoorOffset
 from doormill_ros.errors import DoormillError
 from doormill_ros.frames import transform
 from doormill_ros.recipes.features.hinge_pocket import HingePocket

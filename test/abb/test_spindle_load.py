@@ -14,7 +14,7 @@ from doormill_ros.abb.handshake.state import HandshakeSnapshot, HandshakeState
 from doormill_ros.abb.link_errors import ReadTimeoutError, SignalReadError, UnknownSignalError
 from doormill_ros.abb.transports.rws import RwsTransport
 from doormill_ros.abb.transports.simulated_folder import SimulatedFolderTransport
-from doormill_ros.simulation.controller.io_configuration import read_io_configuration
+from doormill_ros.simulation.controller.configuration.io_configuration import read_io_configuration
 from doormill_ros.simulation.controller.rws_server.cabinet import SimulatedSignal
 from doormill_ros.simulation.controller.rws_server.server import RwsServer
 from support.memory_transport import MemoryTransport

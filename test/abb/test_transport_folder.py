@@ -32,7 +32,7 @@ from doormill_ros.abb.transport import Transport
 from doormill_ros.abb.transports import simulated_folder
 from doormill_ros.abb.transports.bounded import BoundedCaller, CallTimeout
 from doormill_ros.abb.transports.simulated_folder import SimulatedFolderTransport
-from doormill_ros.simulation.controller.io_port import FolderIo
+from doormill_ros.simulation.controller.cabinet.io_port import FolderIo
 from support.waiting import LIMIT
 
 

@@ -41,7 +41,7 @@ from doormill_ros.abb.transports.rws import RwsTransport, connect_rws1, connect_
 from doormill_ros.abb.transports.rws_address import tls_context
 from doormill_ros.abb.transports.rws_dialect import RWS1, RWS2
 from doormill_ros.abb.transports.rws_http import LinkTimeouts, map_http_error
-from doormill_ros.simulation.controller.io_configuration import ACCESS_LEVELS, SignalAccess
+from doormill_ros.simulation.controller.configuration.io_configuration import ACCESS_LEVELS, SignalAccess
 from doormill_ros.simulation.controller.rws_server.cabinet import (
     Cabinet,
     SimulatedSignal,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from doormill_ros.cell.clock import FASTEST, Clock, ClockWatch, EvenClock, step_text
+from doormill_ros.cell.run.clock import FASTEST, Clock, ClockWatch, EvenClock, step_text
 
 EPOCH, HOUR = 1.8e9, 3600.0
 

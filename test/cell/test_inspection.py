@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from doormill_ros.cell.inspection import MeasuredDoor
+from doormill_ros.cell.output.inspection import MeasuredDoor
 
 NAN = math.nan
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from doormill_ros.cell.layout import CAMERA_SLACK, SENSOR_SLACK, DoorOffset, Slack, load_layout
+from doormill_ros.cell.places.layout import CAMERA_SLACK, SENSOR_SLACK, DoorOffset, Slack, load_layout
 
 LIMITS = load_layout().limits
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from doormill_ros.cell.readiness import NEEDED, SILENCE, Readiness
+from doormill_ros.cell.graph.readiness import NEEDED, SILENCE, Readiness
 
 
 class Cell:

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import pytest
 
-from doormill_ros.cell.clock import Clock
 from doormill_ros.cell.errors import CellBusyError, RunCanceledError, StageRefusedError, StageTimeoutError
-from doormill_ros.cell.run import REMEMBERED, Run, RunDesk, new_run_id
+from doormill_ros.cell.run.clock import Clock
+from doormill_ros.cell.run.run import REMEMBERED, Run, RunDesk, new_run_id
 
 
 @dataclass

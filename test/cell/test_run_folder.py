@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from doormill_ros.cell.errors import BadParameterError
-from doormill_ros.cell.gauged import note_gauged
-from doormill_ros.cell.run_folder import RunFolder, ShiftFolder
+from doormill_ros.cell.output.gauged import note_gauged
+from doormill_ros.cell.output.run_folder import RunFolder, ShiftFolder
 
 GAUGED = "schema: doormill/inspection/1\nrun_id: r0\nbag: beside\nnoise: 1.0e-05\ndatum: camera\n"
 #: As a gauge in a workshop may have it; the words of the last one are the simulated one's.

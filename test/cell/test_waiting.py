@@ -8,7 +8,7 @@ import threading
 import pytest
 
 from doormill_ros.cell.errors import StageTimeoutError
-from doormill_ros.cell.waiting import wait, wait_until
+from doormill_ros.cell.run.waiting import wait, wait_until
 
 
 class Clock:

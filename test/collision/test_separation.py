@@ -6,7 +6,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.collision.skeleton import model_of, skeleton_of
 from doormill_ros.collision.sweep import RESERVE, contact_along
 from doormill_ros.collision.world import DOOR, MILL, Mill, PlacedDoor, World

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.collision.joint_way import joint_way
 from doormill_ros.collision.sweep import RESERVE, Contact, contact_along, contact_at, contact_on_line
 from doormill_ros.collision.world import Mill, PlacedDoor, World

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from doormill_ros.cell.layout import DoorOffset, load_layout
+from doormill_ros.cell.places.layout import DoorOffset, load_layout
 from doormill_ros.collision.world import DOOR, MILL, Mill, PlacedDoor, World
 from doormill_ros.frames import rotation_x, transform
 from doormill_ros.recipes.door import WIDTH_MM

@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import fsolve
 from scipy.spatial.transform import Rotation
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.correction.compensate import MAX_ITERATIONS, compensate
 from doormill_ros.correction.loaded_robot import LoadedRobot
 from doormill_ros.correction.loads import certain

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.correction.felt import felt
 from doormill_ros.correction.loaded_robot import LoadedRobot
 from doormill_ros.correction.loads import Loads

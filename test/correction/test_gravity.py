@@ -7,8 +7,8 @@ import pytest
 import yaml
 
 from doormill_ros.cell.errors import BadCellFile
-from doormill_ros.cell.gravity import Gravity, ToolLoad
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.gravity import Gravity, ToolLoad
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.correction.gravity import weights_of, with_gravity
 from doormill_ros.pipeline.plan import load_setup
 from doormill_ros.resources import resource

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.correction.loaded_robot import LoadedRobot
 from doormill_ros.correction.loads import certain
 from doormill_ros.correction.worth import worth_of

@@ -4,7 +4,7 @@ import functools
 
 import pytest
 
-from doormill_ros.cell.layout import DoorOffset
+from doormill_ros.cell.places.layout import DoorOffset
 from doormill_ros.pipeline.plan import load_setup, plan
 from doormill_ros.recipes.documents import load_recipe
 from support.milled_worlds import TOLD, WORLDS, both_files, wall_errors

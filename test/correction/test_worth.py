@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.correction.worth import DeflectionSpread, worth_of
 from doormill_ros.robot.description import load_robot
 

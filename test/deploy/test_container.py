@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from doormill_ros.cell.readiness import BESIDE, NEEDED
+from doormill_ros.cell.graph.readiness import BESIDE, NEEDED
 from support.source_tree import ROOT
 
 FOLDER = ROOT / "deploy" / "container"

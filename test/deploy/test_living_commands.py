@@ -13,7 +13,7 @@ from pathlib import Path
 
 import yaml
 
-from doormill_ros.cell.readiness import BESIDE, NEEDED
+from doormill_ros.cell.graph.readiness import BESIDE, NEEDED
 from support.commands import Command, commands_of
 from support.page_commands import bare
 from support.source_tree import ROOT

@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 import pytest
 import yaml
 
-from doormill_ros.cell.readiness import BESIDE, NEEDED
+from doormill_ros.cell.graph.readiness import BESIDE, NEEDED
 from doormill_ros.localization.sensors.registry import CELL_SENSORS
 from scripts.list_policies import CAMERAS, FILE, KINDS, SIMULATORS, Graph, policies, whole_graph
 from support.source_tree import ROOT

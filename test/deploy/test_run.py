@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 from doormill_ros.backup.archive import PARTS
-from doormill_ros.cell.readiness import BESIDE, NEEDED
+from doormill_ros.cell.graph.readiness import BESIDE, NEEDED
 from doormill_ros.models.store import store_folder
 from doormill_ros.nodes.model_monitor import ModelMonitor
 from doormill_ros.nodes.path_generator import PathGenerator

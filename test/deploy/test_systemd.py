@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from doormill_ros.cell.readiness import BESIDE, NEEDED
+from doormill_ros.cell.graph.readiness import BESIDE, NEEDED
 from doormill_ros.tools.catalogue import parser
 from support.source_tree import ROOT
 from support.waiting import LIMIT

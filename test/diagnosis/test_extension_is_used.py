@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from doormill_ros.cell.layout import DoorOffset, load_layout
+from doormill_ros.cell.places.layout import DoorOffset, load_layout
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.recipes.program import Program
 from doormill_ros.robot.description import load_robot

@@ -9,7 +9,7 @@ import pytest
 from doormill_ros.diagnosis import kinds
 from doormill_ros.diagnosis.core.kind import Kind
 from doormill_ros.diagnosis.listed_kind import ListedKind
-from doormill_ros.measurements import schemas
+from doormill_ros.measurements.documents import schemas
 from support.loaded_modules import loaded
 
 SLOW = ("scipy", "matplotlib", "pinocchio", "cv2", "rosbags", "shapely", "pydantic")

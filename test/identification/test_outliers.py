@@ -11,7 +11,7 @@ import pytest
 from doormill_ros.identification.outliers import fit_without_outliers
 from doormill_ros.identification.weighted import fit_stiffness
 from doormill_ros.measurements.loading import loadings_of_set
-from doormill_ros.measurements.measurement_set import read_measurement_set
+from doormill_ros.measurements.sets.measurement_set import read_measurement_set
 from doormill_ros.tools.identify import main
 
 TRUE = np.array([3.1e6, 1.7e6, 2.2e6, 2.6e5, 1.6e5, 6.1e4])

@@ -9,7 +9,7 @@ import pytest
 
 from doormill_ros.identification.weighted import fit_by_preload, fit_stiffness
 from doormill_ros.measurements.loading import loadings_of_set
-from doormill_ros.measurements.measurement_set import read_measurement_set
+from doormill_ros.measurements.sets.measurement_set import read_measurement_set
 from doormill_ros.thesis.loading_tests import load_thesis_data
 from doormill_ros.tools.identify import main
 

@@ -18,7 +18,7 @@ from doormill_ros.identification.process_forces import (
     process_wrench,
     segment_forces,
 )
-from doormill_ros.measurements.raw_files import Recording, read_force_log
+from doormill_ros.measurements.raw.raw_files import Recording, read_force_log
 from doormill_ros.recipes.force_origin import ForceAxes
 from support.source_tree import DATA
 from support.thesis_milling import THESIS_FORCES

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.errors import LocalizationError
 from doormill_ros.localization.localizer import localize

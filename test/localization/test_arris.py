@@ -6,7 +6,7 @@ from math import erf, sqrt
 import numpy as np
 import pytest
 
-from doormill_ros.cell.layout import DoorOffset
+from doormill_ros.cell.places.layout import DoorOffset
 from doormill_ros.localization.edge_points.blur import Spread, bin_places
 from doormill_ros.localization.edge_points.texture import Variograms
 from doormill_ros.localization.errors import LocalizationError, WrongEdge

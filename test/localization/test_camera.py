@@ -11,7 +11,7 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from doormill_ros.cell.layout import DoorOffset
+from doormill_ros.cell.places.layout import DoorOffset
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.errors import BadCameraFile
 from doormill_ros.localization.settings import load_settings

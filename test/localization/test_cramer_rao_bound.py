@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from doormill_ros.cell.layout import DoorOffset
+from doormill_ros.cell.places.layout import DoorOffset
 from doormill_ros.localization.localizer import localize
 from doormill_ros.localization.settings import load_settings
 from doormill_ros.simulation.picture.scene import Edges, PictureScene, Sensor

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from doormill_ros.cell.layout import DoorOffset, load_layout
+from doormill_ros.cell.places.layout import DoorOffset, load_layout
 from doormill_ros.localization.camera import CameraModel, load_camera
 from doormill_ros.localization.errors import BadCameraFile, CameraMoved, LocalizationError, MarksMissing
 from doormill_ros.localization.localizer import localize

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from doormill_ros.cell.layout import DoorOffset
+from doormill_ros.cell.places.layout import DoorOffset
 from doormill_ros.localization.errors import WrongEdge
 from doormill_ros.localization.localizer import localize
 from doormill_ros.localization.overlay import draw_refusal

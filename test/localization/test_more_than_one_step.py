@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from doormill_ros.cell.layout import DoorOffset
+from doormill_ros.cell.places.layout import DoorOffset
 from doormill_ros.localization.errors import LocalizationError, WrongEdge
 from doormill_ros.localization.localizer import localize
 from doormill_ros.simulation.picture.picture import render_picture

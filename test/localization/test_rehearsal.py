@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.localizer import localize
 from doormill_ros.localization.rehearsal import FACE, drawn_door

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from doormill_ros.cell.layout import DoorOffset
+from doormill_ros.cell.places.layout import DoorOffset
 from doormill_ros.localization.errors import BowedEdge
 from doormill_ros.localization.lines.fit import fit_line
 from doormill_ros.localization.lines.straightness import check_straight

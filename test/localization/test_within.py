@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from doormill_ros.cell.layout import DoorOffset
+from doormill_ros.cell.places.layout import DoorOffset
 from doormill_ros.localization.errors import WrongEdge
 from doormill_ros.localization.localizer import localize
 from doormill_ros.localization.view import face_view

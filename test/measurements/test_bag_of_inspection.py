@@ -9,10 +9,10 @@ import pytest
 from doormill_ros.catalogue.database import ENVIRONMENT, Catalogue
 from doormill_ros.catalogue.known_bags import known_bag
 from doormill_ros.catalogue.run import CataloguedRun
-from doormill_ros.cell.inspection_files import DESCRIPTION
+from doormill_ros.cell.output.inspection_files import DESCRIPTION
 from doormill_ros.errors import DataSetError
-from doormill_ros.measurements.inspection import inspections_in, read_inspection
-from doormill_ros.measurements.inspection_writer import write_inspection
+from doormill_ros.measurements.inspections.inspection import inspections_in, read_inspection
+from doormill_ros.measurements.inspections.inspection_writer import write_inspection
 from doormill_ros.simulation.world.gauge import GaugedPoints
 
 POINTS = GaugedPoints(("hinge_1",), ("wall",), np.zeros((1, 3)), np.eye(3)[:1], np.zeros(1))

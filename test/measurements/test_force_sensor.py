@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from doormill_ros.measurements.force_sensor import (
+from doormill_ros.measurements.raw.force_sensor import (
     MOUNTING_ROTATION,
     sensor_to_flange,
 )

@@ -9,7 +9,7 @@ from doormill_ros.identification.joint_by_joint import identify_joint_by_joint
 from doormill_ros.identification.weighted import fit_stiffness
 from doormill_ros.measurements.errors import IdentifiabilityError
 from doormill_ros.measurements.loading import displacement_per_compliance, loadings_of_set
-from doormill_ros.measurements.measurement_set import read_measurement_set
+from doormill_ros.measurements.sets.measurement_set import read_measurement_set
 
 # Not the shipped stiffness, so that nothing can come out right because it went in.
 TRUE = np.array([3.1e6, 1.7e6, 2.2e6, 2.6e5, 1.6e5, 6.1e4])

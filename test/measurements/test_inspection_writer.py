@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from doormill_ros.errors import DataSetError
-from doormill_ros.measurements.inspection import inspections_in, read_inspection
-from doormill_ros.measurements.inspection_writer import write_inspection
+from doormill_ros.measurements.inspections.inspection import inspections_in, read_inspection
+from doormill_ros.measurements.inspections.inspection_writer import write_inspection
 from doormill_ros.simulation.world.gauge import GaugedPoints
 
 

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from doormill_ros.errors import DataSetError
 from doormill_ros.measurements.errors import DataFileError, SetDescriptionError, TrialTableError
-from doormill_ros.measurements.join_sets import check_same_model, join_sets
-from doormill_ros.measurements.measurement_set import COLUMNS, read_measurement_set
+from doormill_ros.measurements.sets.join_sets import check_same_model, join_sets
+from doormill_ros.measurements.sets.measurement_set import COLUMNS, read_measurement_set
 
 SET = """\
 schema: doormill/measurement-set/1

@@ -8,7 +8,7 @@ import yaml
 
 from doormill_ros.diagnosis.motion.kind import Motions
 from doormill_ros.errors import DataSetError
-from doormill_ros.measurements.motion_set import read_motion_set
+from doormill_ros.measurements.sets.motion_set import read_motion_set
 from support.motion_world import Recording, record
 
 KR300 = Path(__file__).parents[1] / "data" / "kr300"

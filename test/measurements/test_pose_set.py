@@ -7,7 +7,7 @@ import yaml
 from doormill_ros.diagnosis.pose.kind import Poses
 from doormill_ros.errors import DataSetError
 from doormill_ros.measurements.errors import PoseTableError, TrialTableError
-from doormill_ros.measurements.pose_set import placement_owners, read_pose_set
+from doormill_ros.measurements.sets.pose_set import placement_owners, read_pose_set
 from doormill_ros.robot_model.pose.link_masses import published_masses
 from doormill_ros.tools.diagnose import main
 

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from doormill_ros.measurements.errors import RawFileError
-from doormill_ros.measurements.raw_files import read_force_log, read_tracker_file
+from doormill_ros.measurements.raw.raw_files import read_force_log, read_tracker_file
 
 SAMPLES = np.array(
     [[100.0, 1.5, -0.25, 2.0], [100.01, 1.50001, -0.25002, 2.0], [100.02, 1.5, -0.25, 2.00003]]

@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 from doormill_ros.errors import DataSetError
 from doormill_ros.identification.weighted import fit_stiffness
 from doormill_ros.measurements.errors import LoadingTestError
-from doormill_ros.measurements.raw_set import read_raw_set
+from doormill_ros.measurements.raw.raw_set import read_raw_set
 from doormill_ros.resources import share_directory
 from doormill_ros.simulation.truth.robot import TruthRobot
 from doormill_ros.thesis.procedure import thesis_stiffness

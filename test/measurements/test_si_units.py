@@ -8,9 +8,9 @@ import pytest
 import yaml
 
 from doormill_ros.errors import DataSetError
-from doormill_ros.measurements.measurement_set import COLUMNS, read_measurement_set
-from doormill_ros.measurements.motion_set import read_motion_set
-from doormill_ros.measurements.pose_set import read_pose_set
+from doormill_ros.measurements.sets.measurement_set import COLUMNS, read_measurement_set
+from doormill_ros.measurements.sets.motion_set import read_motion_set
+from doormill_ros.measurements.sets.pose_set import read_pose_set
 from support.motion_world import Recording, record
 
 DEGREES, MILLIMETRES = 180.0 / np.pi, 1000.0

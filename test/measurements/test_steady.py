@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from doormill_ros.measurements.errors import NotSteadyError
-from doormill_ros.measurements.raw_files import Recording
-from doormill_ros.measurements.steady import steady_window
+from doormill_ros.measurements.raw.raw_files import Recording
+from doormill_ros.measurements.raw.steady import steady_window
 
 RATE = 100.0
 

@@ -7,7 +7,7 @@ from datetime import UTC, datetime, timedelta
 import numpy as np
 import pytest
 
-from doormill_ros.cell.topic_names import RUN_RESULT
+from doormill_ros.cell.graph.topic_names import RUN_RESULT
 from doormill_ros.monitor.kept_doors import DOOR, DoorPoints, KeptDoors
 from doormill_ros.monitor.recorded_runs import RecordedRuns
 from doormill_ros.recording.bag_reader import read_bag

@@ -5,7 +5,7 @@ import shutil
 
 import pytest
 
-from doormill_ros.cell import topic_names
+from doormill_ros.cell.graph import topic_names
 from doormill_ros.monitor.recorded_runs import RecordedRuns
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.recording.bag_writer import BagWriter

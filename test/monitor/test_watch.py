@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from doormill_ros.errors import DataSetError
-from doormill_ros.measurements.inspection import read_inspection
+from doormill_ros.measurements.inspections.inspection import read_inspection
 from doormill_ros.models.errors import MillingStoppedError, UnknownVersionError
 from doormill_ros.models.store import ModelStore
 from doormill_ros.monitor.errors import InspectionMessageError, KeepingError, QuestionError, UnknownRunError

@@ -16,7 +16,7 @@ from std_msgs.msg import Header
 from visualization_msgs.msg import Marker
 
 from doormill_interfaces.msg import DoorPlacement, TargetArray
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.messages.from_message import program_of, transform_of
 from doormill_ros.nodes.base.nested_messages import reading
 from doormill_ros.nodes.base.topics import PATH_TARGETS
@@ -28,7 +28,7 @@ from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.robot.bodies import Body
 from doormill_ros.robot.configuration import ConfData
 from doormill_ros.robot.description import load_robot
-from doormill_ros.simulation.controller.executed_path import ExecutedPath
+from doormill_ros.simulation.controller.records.executed_path import ExecutedPath
 from doormill_ros.simulation.judge.milled_part import FeatureResult, MilledPart
 from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target
 from doormill_ros.toolpath.settings import load_settings

@@ -14,8 +14,8 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from doormill_ros.abb.handshake.state import HandshakeState
-from doormill_ros.cell.node_names import DOOR_SHARES
-from doormill_ros.cell.readiness import BESIDE, CONTROLLER, NEEDED
+from doormill_ros.cell.graph.node_names import DOOR_SHARES
+from doormill_ros.cell.graph.readiness import BESIDE, CONTROLLER, NEEDED
 from doormill_ros.errors import catalogue
 from doormill_ros.localization.sensors.registry import CELL_SENSORS
 from doormill_ros.operator.languages import LANGUAGES, headline_in

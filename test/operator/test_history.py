@@ -16,8 +16,8 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from doormill_interfaces.msg import RunResult
-from doormill_ros.cell.inspection import MeasuredDoor
-from doormill_ros.cell.summary import RunSummary
+from doormill_ros.cell.output.inspection import MeasuredDoor
+from doormill_ros.cell.output.summary import RunSummary
 from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.operator_page import OperatorPage
 from doormill_ros.nodes.process.spinning import SteadyExecutor

@@ -9,7 +9,7 @@ import pytest
 
 from doormill_interfaces.msg import DoorInspection, FeatureDeviation, MilledDoor, RunResult
 from doormill_ros.cell.errors import OutOfToleranceError
-from doormill_ros.cell.inspection import MeasuredDoor
+from doormill_ros.cell.output.inspection import MeasuredDoor
 from doormill_ros.nodes.operator_page import OperatorPage
 from doormill_ros.operator.history.history import load_history
 from doormill_ros.operator.history.run_book import RunBook

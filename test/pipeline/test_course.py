@@ -20,11 +20,11 @@ from doormill_ros.abb.link_errors import (
     MillingFaultError,
 )
 from doormill_ros.abb.target_file.target_file import check_handover, read_target_file, render_target_file
-from doormill_ros.cell.clock import Clock
 from doormill_ros.cell.errors import NodeDeadError, OutOfToleranceError, RunCanceledError, StageTimeoutError
-from doormill_ros.cell.inspection import MeasuredDoor
-from doormill_ros.cell.layout import load_layout
-from doormill_ros.cell.run import Run, StageLimits
+from doormill_ros.cell.output.inspection import MeasuredDoor
+from doormill_ros.cell.places.layout import load_layout
+from doormill_ros.cell.run.clock import Clock
+from doormill_ros.cell.run.run import Run, StageLimits
 from doormill_ros.pipeline.course import Course
 from doormill_ros.pipeline.partners import RecipeAnswer
 from doormill_ros.pipeline.plan import load_setup, plan

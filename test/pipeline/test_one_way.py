@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from std_msgs.msg import Header
 
-from doormill_ros.cell.layout import DoorOffset
+from doormill_ros.cell.places.layout import DoorOffset
 from doormill_ros.frames import transform
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.errors import BadPicture, LocalizationError

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import pytest
 
-from doormill_ros.cell.clock import Clock
 from doormill_ros.cell.errors import NodeDeadError, RunCanceledError, StageTimeoutError
-from doormill_ros.cell.inspection import MeasuredDoor
-from doormill_ros.cell.run import Run, StageLimits
-from doormill_ros.cell.summary import StageDurations
+from doormill_ros.cell.output.inspection import MeasuredDoor
+from doormill_ros.cell.output.summary import StageDurations
+from doormill_ros.cell.run.clock import Clock
+from doormill_ros.cell.run.run import Run, StageLimits
 from doormill_ros.pipeline.partners import RecipeAnswer
 from doormill_ros.pipeline.run_end import RunEnd
 from doormill_ros.pipeline.shared_course import SharedCourse

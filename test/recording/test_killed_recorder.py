@@ -24,7 +24,7 @@ DOOR = "thesis_190_0deg"
 CELL = """
 import sys, time
 from pathlib import Path
-from doormill_ros.cell.run_folder import RunFolder
+from doormill_ros.cell.output.run_folder import RunFolder
 from doormill_ros.nodes.one_process.cell import Cell, CellOptions
 folder = RunFolder(Path(sys.argv[1]))
 folder.prepare()

@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 import yaml
 from rclpy.qos import DurabilityPolicy, QoSCompatibility, QoSProfile, ReliabilityPolicy, qos_check_compatible
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.frames import BASE_FRAME, CAMERA_FRAME, DOOR_FRAME, TOOL_FRAME
 from doormill_ros.nodes.base import topics
 from doormill_ros.recording.bag_reader import read_bag

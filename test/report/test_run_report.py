@@ -16,7 +16,7 @@ import pytest
 from playwright.sync_api import Browser, Page
 
 from doormill_interfaces.msg import DoorInspection
-from doormill_ros.measurements.inspection_writer import write_inspection
+from doormill_ros.measurements.inspections.inspection_writer import write_inspection
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.report import run_record
 from doormill_ros.report.figures import picture_url

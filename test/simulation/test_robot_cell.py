@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from doormill_ros.abb import signals
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.robot.description import load_robot
-from doormill_ros.simulation.controller.arm import ControllerArm
-from doormill_ros.simulation.controller.io_port import FolderIo
+from doormill_ros.simulation.controller.cabinet.io_port import FolderIo
+from doormill_ros.simulation.controller.motions.arm import ControllerArm
 from doormill_ros.simulation.robot_cell import RobotCell, RobotCellRun
 from support.faults.world import make_file
 from support.waiting import LIMIT, until

@@ -11,7 +11,7 @@ import pytest
 from doormill_ros.abb import signals
 from doormill_ros.simulation import spindle_load
 from doormill_ros.simulation.controller.moves import MotionContext
-from doormill_ros.simulation.controller.recording import MotionRecording, Surroundings
+from doormill_ros.simulation.controller.records.recording import MotionRecording, Surroundings
 from doormill_ros.simulation.spindle_load import IDLE, NOISE, NOMINAL, SpindleDrive, SpindleWork
 from doormill_ros.simulation.world.cutting_power import SPECIFIC
 

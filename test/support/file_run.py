@@ -12,11 +12,11 @@ from pathlib import Path
 import numpy as np
 
 from doormill_ros.robot.description import load_robot
-from doormill_ros.simulation.controller.arm import ControllerArm
 from doormill_ros.simulation.controller.controller import VirtualController
+from doormill_ros.simulation.controller.motions.arm import ControllerArm
 from doormill_ros.simulation.controller.moves import MotionContext
-from doormill_ros.simulation.controller.process import Process, no_wrench
 from doormill_ros.simulation.controller.rapid.machine import Move
+from doormill_ros.simulation.controller.records.process import Process, no_wrench
 
 HOME = [0.0, -40.0, 30.0, 0.0, 10.0, 0.0]  # jposHome of rapid/DoorCell.mod, for files that do not say it
 KINDS = {"L": "MoveL", "C": "MoveC", "A": "MoveAbsJ"}

@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 
 from doormill_ros.frames import transform
-from doormill_ros.simulation.controller.executed_path import ExecutedPath
+from doormill_ros.simulation.controller.records.executed_path import ExecutedPath
 from doormill_ros.simulation.judge.links import FLANGE
 
 HOME = np.radians([0.0, -40.0, 30.0, 0.0, 10.0, 0.0])

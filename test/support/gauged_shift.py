@@ -15,15 +15,15 @@ from pathlib import Path
 import numpy as np
 import yaml
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.frames import inverse, rotation_from_vector, transform
 from doormill_ros.localization.camera import load_camera
-from doormill_ros.measurements.inspection_writer import write_inspection
+from doormill_ros.measurements.inspections.inspection_writer import write_inspection
 from doormill_ros.messages.from_message import recipe_of, transform_of, transforms_of, wrenches_of
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.robot.description import load_robot
-from doormill_ros.simulation.controller.executed_path import ExecutedPath
+from doormill_ros.simulation.controller.records.executed_path import ExecutedPath
 from doormill_ros.simulation.world.door_truth import GAUGE, TAKT, DoorTruth
 from doormill_ros.simulation.world.gauge import NOISE, gauge
 from doormill_ros.simulation.world.world_file import load_world

@@ -7,7 +7,7 @@ the simulated truth; nothing of the planner is used.
 import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
 
-from doormill_ros.simulation.controller.executed_path import ExecutedPath
+from doormill_ros.simulation.controller.records.executed_path import ExecutedPath
 from support.execute import arc_points
 
 LINE_STEP = 0.004  # m between samples of a straight cut

@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import HealthCheck, Phase, given, seed, settings
 
 from doormill_ros.abb.target_file.target_file import render_target_file
-from doormill_ros.cell.layout import DoorOffset, load_layout
+from doormill_ros.cell.places.layout import DoorOffset, load_layout
 from doormill_ros.errors import DoormillError
 from doormill_ros.frames import inverse
 from doormill_ros.pipeline.plan import MillingSetup, load_setup, plan

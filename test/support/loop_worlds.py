@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import yaml
 
-from doormill_ros.cell.layout import DoorOffset
+from doormill_ros.cell.places.layout import DoorOffset
 from doormill_ros.diagnosis.parts.correction.model import door_model_document
 from doormill_ros.diagnosis.parts.fitting.problem import DoorDiagnosis
 from doormill_ros.diagnosis.parts.kind import Inspections
@@ -17,7 +17,7 @@ from doormill_ros.pipeline.plan import MillingSetup, PlannedProgram, plan
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.recipes.program import Program
 from doormill_ros.robot_model.warmth.work_times import WorkTimes
-from doormill_ros.simulation.controller.executed_path import ExecutedPath
+from doormill_ros.simulation.controller.records.executed_path import ExecutedPath
 from doormill_ros.simulation.judge.milled_part import inspect
 from doormill_ros.simulation.world.door_truth import TAKT, DoorTruth
 from doormill_ros.simulation.world.world_file import load_world

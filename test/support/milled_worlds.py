@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from doormill_ros.abb.target_file.target_file import render_target_file
 from doormill_ros.frames import inverse
-from doormill_ros.simulation.controller.executed_path import ExecutedPath
+from doormill_ros.simulation.controller.records.executed_path import ExecutedPath
 from doormill_ros.simulation.judge.milled_part import inspect
 from doormill_ros.simulation.truth.robot import TruthRobot
 from doormill_ros.simulation.world.robot import WorldRobot

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
-from doormill_ros.cell.layout import DoorOffset
+from doormill_ros.cell.places.layout import DoorOffset
 from doormill_ros.diagnosis.parts.doors.recorded_cut import RecordedCut
 from doormill_ros.diagnosis.parts.kind import InspectedDoor, inspected_door
-from doormill_ros.measurements.inspection import inspections_in
+from doormill_ros.measurements.inspections.inspection import inspections_in
 from doormill_ros.pipeline.plan import load_setup, plan
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.recipes.recipe import Recipe

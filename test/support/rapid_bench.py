@@ -9,18 +9,18 @@ import numpy as np
 import pytest
 
 from doormill_ros.abb import signals
-from doormill_ros.cell.layout import DoorOffset, load_layout
+from doormill_ros.cell.places.layout import DoorOffset, load_layout
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.resources import resource
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot_model.elastic.joint_springs import JointSpringModel
-from doormill_ros.simulation.controller.arm import ControllerArm
+from doormill_ros.simulation.controller.cabinet.teach_pendant import TeachPendant
+from doormill_ros.simulation.controller.configuration.installed import OWN_MODULES, read_installed
 from doormill_ros.simulation.controller.controller import VirtualController
-from doormill_ros.simulation.controller.installed import OWN_MODULES, read_installed
+from doormill_ros.simulation.controller.motions.arm import ControllerArm
 from doormill_ros.simulation.controller.rapid.faults import RapidStop
 from doormill_ros.simulation.controller.rapid.parser import parse_module
 from doormill_ros.simulation.controller.rapid.program import RapidProgram
-from doormill_ros.simulation.controller.teach_pendant import TeachPendant
 from doormill_ros.toolpath.generate import generate_program
 from doormill_ros.toolpath.program import MillingProgram
 from support.thesis_listings import load_listings

@@ -22,8 +22,8 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.core.kind import Progress, run
 from doormill_ros.diagnosis.loading.kind import LoadingTests
 from doormill_ros.diagnosis.pose.kind import Poses
-from doormill_ros.measurements.measurement_set import MeasurementSet
-from doormill_ros.measurements.pose_set import PoseSet
+from doormill_ros.measurements.sets.measurement_set import MeasurementSet
+from doormill_ros.measurements.sets.pose_set import PoseSet
 from doormill_ros.thesis.run import run_thesis
 
 #: Relative size of the noise: what another machine's rounding does to a number on its way here.

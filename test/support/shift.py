@@ -29,14 +29,14 @@ from doormill_ros.abb.target_file.target_file import check_handover, render_targ
 from doormill_ros.abb.transports.rws import connect_rws1
 from doormill_ros.abb.transports.rws_http import LinkTimeouts
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.layout import DoorOffset, load_layout
+from doormill_ros.cell.places.layout import DoorOffset, load_layout
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot_model.elastic.joint_springs import JointSpringModel
-from doormill_ros.simulation.controller.arm import ControllerArm
-from doormill_ros.simulation.controller.cell import DOOR_CLAMPED
+from doormill_ros.simulation.controller.cabinet.cell import DOOR_CLAMPED
+from doormill_ros.simulation.controller.cabinet.io_port import FolderIo
 from doormill_ros.simulation.controller.controller import VirtualController
-from doormill_ros.simulation.controller.io_port import FolderIo
+from doormill_ros.simulation.controller.motions.arm import ControllerArm
 from doormill_ros.simulation.controller.rapid.machine import Move
 from doormill_ros.simulation.controller.rws_server.running import served_cabinet
 from doormill_ros.simulation.controller.rws_server.server import RwsServer

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import yaml
 
-from doormill_ros.cell.layout import DoorOffset
+from doormill_ros.cell.places.layout import DoorOffset
 from doormill_ros.diagnosis.parts.correction.model import door_model_document
 from doormill_ros.diagnosis.parts.fitting.problem import DoorDiagnosis
 from doormill_ros.pipeline.plan import MillingSetup, load_setup, plan

@@ -11,7 +11,7 @@ import numpy as np
 from doormill_ros.diagnosis.parts.doors.recorded_cut import RecordedCut, recorded_cut
 from doormill_ros.diagnosis.parts.fitting.problem import DoorDiagnosis
 from doormill_ros.diagnosis.parts.kind import InspectedDoor, Inspections, inspected_door
-from doormill_ros.measurements.inspection import inspections_in
+from doormill_ros.measurements.inspections.inspection import inspections_in
 from doormill_ros.simulation.world.gauge import NOISE
 from support.gauged_shift import HINGE_DOORS, gauged_shift
 

@@ -26,18 +26,18 @@ from doormill_ros.abb.handshake.state import HandshakeState as State
 from doormill_ros.abb.target_file.target_file import check_handover, render_target_file
 from doormill_ros.abb.transports.simulated_folder import SimulatedFolderTransport
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.layout import DoorOffset, load_layout
+from doormill_ros.cell.places.layout import DoorOffset, load_layout
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.resources import resource
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot_model.elastic.joint_springs import JointSpringModel
-from doormill_ros.simulation.controller.arm import ControllerArm
-from doormill_ros.simulation.controller.cell import DOOR_CLAMPED, SPINDLE_AT_SPEED
+from doormill_ros.simulation.controller.cabinet.cell import DOOR_CLAMPED, SPINDLE_AT_SPEED
+from doormill_ros.simulation.controller.cabinet.io_port import FolderIo
+from doormill_ros.simulation.controller.configuration.installed import read_installed
 from doormill_ros.simulation.controller.controller import VirtualController
-from doormill_ros.simulation.controller.installed import read_installed
-from doormill_ros.simulation.controller.io_port import FolderIo
-from doormill_ros.simulation.controller.limits import ControllerLimits
+from doormill_ros.simulation.controller.motions.arm import ControllerArm
+from doormill_ros.simulation.controller.motions.limits import ControllerLimits
 from doormill_ros.simulation.controller.operation.panel import ControlPanel
 from doormill_ros.simulation.controller.operation.states import ControllerState, OperatingMode, StopMode
 from doormill_ros.simulation.controller.rapid.errors import OrderRefusedError

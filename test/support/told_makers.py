@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from doormill_ros.cell.gravity import Gravity, ToolLoad
+from doormill_ros.cell.places.gravity import Gravity, ToolLoad
 from doormill_ros.correction.gravity import with_gravity
 from doormill_ros.pipeline.plan import MillingSetup
 from doormill_ros.robot.description import Robot

@@ -11,7 +11,7 @@ import numpy as np
 from doormill_ros.frames import inverse, transform
 from doormill_ros.recipes.door import R_FEATURE_TOOL
 from doormill_ros.robot.description import load_robot
-from doormill_ros.simulation.controller.arm import ControllerArm
+from doormill_ros.simulation.controller.motions.arm import ControllerArm
 from doormill_ros.simulation.judge.bodies import Box, load_cell
 from doormill_ros.simulation.judge.links import BASE, FLANGE
 from doormill_ros.simulation.judge.shapes import cylinder_gap

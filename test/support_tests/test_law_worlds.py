@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import yaml
 
-from doormill_ros.measurements.measurement_set import read_measurement_set
+from doormill_ros.measurements.sets.measurement_set import read_measurement_set
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.kinematics import Kinematics
 from support.law_worlds.geometry import ROBOT, joint, link_frames

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import yaml
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.resources import resource
 from support.views.plainness import is_plain
 from support.views.render import render

@@ -10,7 +10,7 @@ import pytest
 from doormill_ros.abb.target_file.target_file import render_target_file
 from doormill_ros.recipes.door import HingeSide
 from doormill_ros.recipes.features.registry import FEATURES
-from doormill_ros.simulation.controller.limits import load_limits
+from doormill_ros.simulation.controller.motions.limits import load_limits
 from doormill_ros.simulation.judge.milled_part import inspect
 from doormill_ros.toolpath.errors import PathError
 from support import doors

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.messages.from_message import program_of
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.robot.description import load_robot

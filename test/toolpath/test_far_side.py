@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from doormill_ros.cell.backing import Board
+from doormill_ros.cell.places.backing import Board
 from doormill_ros.recipes.door import Side
 from doormill_ros.toolpath.air.far_side import check_far_side
 from doormill_ros.toolpath.cuts.operation import operation

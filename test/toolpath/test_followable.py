@@ -6,11 +6,11 @@ from dataclasses import replace
 import pytest
 
 from doormill_ros.abb.target_file.target_file import render_target_file
-from doormill_ros.cell.layout import DoorOffset
+from doormill_ros.cell.places.layout import DoorOffset
 from doormill_ros.errors import DoormillError
 from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.recipes.program import Program
-from doormill_ros.simulation.controller.limits import ControllerLimits
+from doormill_ros.simulation.controller.motions.limits import ControllerLimits
 from doormill_ros.toolpath.settings import load_settings
 from support.judged_doors import RUN_ID, draw
 from support.path_rules import path_faults

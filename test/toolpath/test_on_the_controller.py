@@ -6,8 +6,8 @@ import pytest
 from doormill_ros.abb.target_file.target_file import render_target_file
 from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.recipes.program import Program
-from doormill_ros.simulation.controller.limits import ControllerLimits
-from doormill_ros.simulation.controller.process import module_process
+from doormill_ros.simulation.controller.motions.limits import ControllerLimits
+from doormill_ros.simulation.controller.records.process import module_process
 from doormill_ros.simulation.judge.milled_part import inspect
 from doormill_ros.simulation.truth.robot import TruthRobot
 from doormill_ros.toolpath.door_checks import check_door

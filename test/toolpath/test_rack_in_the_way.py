@@ -7,7 +7,7 @@ import pytest
 import yaml
 
 from doormill_ros.abb.target_file.target_file import render_target_file
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.pipeline.plan import load_setup, plan
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.resources import resource

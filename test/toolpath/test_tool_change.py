@@ -9,7 +9,7 @@ import pytest
 
 from doormill_ros.abb.target_file.target_file import render_target_file
 from doormill_ros.cell.errors import BadCellFile
-from doormill_ros.cell.rack import check_rack
+from doormill_ros.cell.places.rack import check_rack
 from doormill_ros.errors import DoormillError
 from doormill_ros.pipeline.plan import load_setup, plan
 from doormill_ros.recipes.documents import load_recipe

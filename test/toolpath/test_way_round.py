@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from doormill_ros.cell.layout import DoorOffset
+from doormill_ros.cell.places.layout import DoorOffset
 from doormill_ros.pipeline.plan import load_setup
 from doormill_ros.recipes.documents import parse_yaml
 from doormill_ros.recipes.recipe import Recipe

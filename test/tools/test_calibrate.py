@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import yaml
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.localization.calibration.board_view import BoardPicture
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.pictures.picture_file import write_picture

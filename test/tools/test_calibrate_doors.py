@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import yaml
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.localization.calibration.scale_test import ScaleTest
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.resources import resource

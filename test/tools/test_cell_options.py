@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from doormill_ros.cell.shift_summary import ShiftSummary
-from doormill_ros.cell.summary import FeatureError, RunSummary
+from doormill_ros.cell.output.shift_summary import ShiftSummary
+from doormill_ros.cell.output.summary import FeatureError, RunSummary
 from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.simulation.sensors.registry import SIMULATED_SENSORS
 from doormill_ros.tools.cell import main

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import yaml
 
-from doormill_ros.cell.layout import DoorOffset, load_layout
+from doormill_ros.cell.places.layout import DoorOffset, load_layout
 from doormill_ros.localization.sensors.registry import SENSORS
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.recipes.door import DoorSize

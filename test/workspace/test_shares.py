@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.robot.description import load_robot
 from doormill_ros.toolpath.settings import load_settings

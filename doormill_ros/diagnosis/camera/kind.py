@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.diagnosis.camera.causes import CameraCause
 from doormill_ros.diagnosis.camera.problem import CameraDiagnosis, PictureProblem
 from doormill_ros.diagnosis.core.kind import Progress, SearchedKind
@@ -20,7 +20,7 @@ from doormill_ros.localization.localizer import localize
 from doormill_ros.localization.result import Localization
 from doormill_ros.measurements.errors import SetMixError
 from doormill_ros.measurements.picture_reading import Localisations, localisations_of
-from doormill_ros.measurements.picture_set import PictureSet, read_picture_set
+from doormill_ros.measurements.sets.picture_set import PictureSet, read_picture_set
 
 FEWEST_PLACES = 4  #: of the door; whole places are left out, predicted and compared
 

@@ -15,8 +15,8 @@ from doormill_ros.diagnosis.loading.laws import law_sections, sized_laws, with_l
 from doormill_ros.diagnosis.loading.next_measurement import NextMeasurement, plan_next
 from doormill_ros.diagnosis.loading.path_shift import doubt, path_shift
 from doormill_ros.diagnosis.loading.problem import FEWEST, LoadingDiagnosis, LoadingProblem
-from doormill_ros.measurements.join_sets import check_same_model, join_sets
-from doormill_ros.measurements.measurement_set import MeasurementSet, read_measurement_set
+from doormill_ros.measurements.sets.join_sets import check_same_model, join_sets
+from doormill_ros.measurements.sets.measurement_set import MeasurementSet, read_measurement_set
 from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
 from doormill_ros.robot_model.extended_document import model_document
 from doormill_ros.robot_model.extended_model import SizedCause

@@ -16,7 +16,7 @@ from doormill_ros.diagnosis.motion.examination import JointFinding
 from doormill_ros.diagnosis.motion.laws import model_with_laws
 from doormill_ros.diagnosis.motion.model import JointFit, coefficients, stiffness_of
 from doormill_ros.diagnosis.motion.noise import mean_square_of, no_slips
-from doormill_ros.measurements.motion_set import MotionSet
+from doormill_ros.measurements.sets.motion_set import MotionSet
 from doormill_ros.robot_model.motion.causes.time_skew import TimeSkew
 from doormill_ros.robot_model.motion.model import JointModel
 from doormill_ros.statistics import bootstrap_ratio, root_mean_square

@@ -24,7 +24,7 @@ from doormill_ros.diagnosis.motion.problem import JointProblem
 from doormill_ros.diagnosis.motion.remainder import beside_laws
 from doormill_ros.diagnosis.motion.search import JointSearch
 from doormill_ros.diagnosis.motion.skew import common_skew, own_skews, without_delays
-from doormill_ros.measurements.motion_set import MotionSet
+from doormill_ros.measurements.sets.motion_set import MotionSet
 from doormill_ros.robot_model.motion.causes.cause import MotionCause
 from doormill_ros.robot_model.motion.causes.time_skew import TimeSkew
 from doormill_ros.robot_model.motion.law.term import MotionTerm

@@ -20,7 +20,7 @@ from doormill_ros.diagnosis.motion.account import (
 )
 from doormill_ros.diagnosis.motion.diagnosis import MotionDiagnosis, diagnose_motions
 from doormill_ros.diagnosis.motion.laws import model_with_laws, with_laws
-from doormill_ros.measurements.motion_set import (
+from doormill_ros.measurements.sets.motion_set import (
     MotionSet,
     check_same_joints,
     check_same_noise,

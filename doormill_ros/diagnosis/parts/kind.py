@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.catalogue.known_bags import known_bag
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.diagnosis.core.changes import (
     STEP,
     change_sentences,
@@ -44,7 +44,7 @@ from doormill_ros.diagnosis.parts.telling.without_name import (
 )
 from doormill_ros.distributions import chi2_sf
 from doormill_ros.localization.camera import load_camera
-from doormill_ros.measurements.inspection import CAMERA, Inspection, inspections_in
+from doormill_ros.measurements.inspections.inspection import CAMERA, Inspection, inspections_in
 from doormill_ros.pages.page import PageSection
 from doormill_ros.robot.description import load_robot
 from doormill_ros.units import m_to_mm

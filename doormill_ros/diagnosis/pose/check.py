@@ -14,7 +14,7 @@ from doormill_ros.diagnosis.pose.fitting.model import figures
 from doormill_ros.diagnosis.pose.fitting.noise import expected
 from doormill_ros.diagnosis.pose.fitting.placement import Seen, place_together
 from doormill_ros.diagnosis.pose.laws import model_with_laws, placements_with_laws
-from doormill_ros.measurements.pose_set import PoseSet, placement_owners
+from doormill_ros.measurements.sets.pose_set import PoseSet, placement_owners
 from doormill_ros.robot_model.pose.chain import Placement, frames, residual
 from doormill_ros.robot_model.pose.model import PoseModel
 

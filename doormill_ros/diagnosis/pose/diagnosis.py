@@ -22,7 +22,7 @@ from doormill_ros.diagnosis.pose.searching.search import PoseSearch
 from doormill_ros.diagnosis.pose.searching.selection import Score
 from doormill_ros.diagnosis.pose.stance.standing import find_standing, stood
 from doormill_ros.diagnosis.pose.together import check_names, check_together
-from doormill_ros.measurements.pose_set import PoseSet
+from doormill_ros.measurements.sets.pose_set import PoseSet
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
 from doormill_ros.robot_model.pose.law.term import PoseTerm
 from doormill_ros.robot_model.pose.model import PoseModel

@@ -36,7 +36,7 @@ from doormill_ros.diagnosis.pose.telling.evidence import (
 )
 from doormill_ros.diagnosis.pose.telling.next_poses import listed, plan_next, propose
 from doormill_ros.diagnosis.pose.together import check_marked, check_names, check_rows, check_together
-from doormill_ros.measurements.pose_set import PoseSet, placement_owners, read_pose_set
+from doormill_ros.measurements.sets.pose_set import PoseSet, placement_owners, read_pose_set
 from doormill_ros.pages.page import Block, PageSection, Paragraphs
 from doormill_ros.robot_model.pose.model import model_document
 from doormill_ros.units import m_to_um

@@ -10,7 +10,7 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.pose.fitting.fit import BLOCKS
 from doormill_ros.diagnosis.pose.fitting.placement import rows_needed
 from doormill_ros.measurements.errors import PosePlacementError, PoseTableError, SetMixError
-from doormill_ros.measurements.pose_set import PoseSet, placement_owners
+from doormill_ros.measurements.sets.pose_set import PoseSet, placement_owners
 
 _SAME = 1e-6  #: joint angles nearer than this are one [rad]
 

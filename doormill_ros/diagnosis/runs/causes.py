@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.layout import OFFSETS
+from doormill_ros.cell.places.layout import OFFSETS
 from doormill_ros.diagnosis.core.course import SizedEffect
 from doormill_ros.diagnosis.runs.channels import (
     ANSWER,

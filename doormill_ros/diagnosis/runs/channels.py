@@ -10,7 +10,7 @@ import numpy as np
 from scipy.special import polygamma
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.layout import OFFSETS
+from doormill_ros.cell.places.layout import OFFSETS
 from doormill_ros.diagnosis.runs.ungauged_run import UngaugedRun
 
 UNITS = ("m", "m", "rad")  #: of `OFFSETS`

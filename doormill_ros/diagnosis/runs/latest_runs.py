@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.diagnosis.runs.ungauged_run import UngaugedRun, runs_of_bag
 from doormill_ros.errors import DoormillError, one_line
 from doormill_ros.recording.bag_folders import latest_in_bags

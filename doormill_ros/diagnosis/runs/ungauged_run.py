@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.layout import CAMERA, CellLayout, load_layout
-from doormill_ros.cell.topic_names import (
+from doormill_ros.cell.graph.topic_names import (
     ABB_STATUS,
     CAMERA_MOVED,
     DOOR_LOCALIZATION,
@@ -23,6 +22,7 @@ from doormill_ros.cell.topic_names import (
     SPINDLE_LOAD,
     name_of,
 )
+from doormill_ros.cell.places.layout import CAMERA, CellLayout, load_layout
 from doormill_ros.messages.from_message import sensed_door_of
 from doormill_ros.messages.stamps import seconds_of
 from doormill_ros.recording.bag_folders import bags_in

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from doormill_ros.arrays import ByteArray, Float32Array
-from doormill_ros.cell.layout import CellLayout
+from doormill_ros.cell.places.layout import CellLayout
 from doormill_ros.localization import checks
 from doormill_ros.localization.calibration.errors import BadCalibrationFile, DoorInClamp, TooFewPictures
 from doormill_ros.localization.camera import CameraModel

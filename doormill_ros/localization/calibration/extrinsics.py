@@ -13,7 +13,7 @@ from functools import partial
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.layout import CellLayout
+from doormill_ros.cell.places.layout import CellLayout
 from doormill_ros.frames import transform, vector_from_rotation
 from doormill_ros.localization.calibration.errors import PoorlySpread, TooFewPictures
 from doormill_ros.localization.calibration.lens_share import by_lens, door_deviation

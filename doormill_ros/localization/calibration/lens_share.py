@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.layout import CellLayout
+from doormill_ros.cell.places.layout import CellLayout
 from doormill_ros.localization.camera import CameraModel
 from doormill_ros.localization.sensors.corner_edges import EdgeRays
 from doormill_ros.localization.sensors.edge_rays import miss, seen

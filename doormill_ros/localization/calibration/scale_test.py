@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.layout import CellLayout
+from doormill_ros.cell.places.layout import CellLayout
 from doormill_ros.localization.calibration.errors import TooFewPictures
 from doormill_ros.localization.calibration.moved_door import MovedDoor
 from doormill_ros.localization.camera import CameraModel

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from doormill_ros.arrays import ByteArray
-from doormill_ros.cell.layout import PlacementLimits
+from doormill_ros.cell.places.layout import PlacementLimits
 from doormill_ros.localization.gige.device import Limits
 from doormill_ros.localization.view import BOTTOM, HINGE, FaceView
 

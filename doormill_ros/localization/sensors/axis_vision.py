@@ -10,7 +10,7 @@ from typing import Annotated
 import numpy as np
 
 from doormill_ros.arrays import ByteArray, FloatArray
-from doormill_ros.cell.layout import CellLayout, load_layout
+from doormill_ros.cell.places.layout import CellLayout, load_layout
 from doormill_ros.config import read
 from doormill_ros.frames import transform
 from doormill_ros.localization.camera import CameraModel

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import StrictBool
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.layout import CellLayout
+from doormill_ros.cell.places.layout import CellLayout
 from doormill_ros.config import read
 from doormill_ros.frames import twist_between
 from doormill_ros.localization.sensors.errors import BadSensorFile, PoseOutOfRange

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from doormill_ros.arrays import ByteArray, FloatArray
-from doormill_ros.cell.layout import OFFSETS, CellLayout
+from doormill_ros.cell.places.layout import OFFSETS, CellLayout
 from doormill_ros.frames import twist_between
 from doormill_ros.localization.camera import CameraModel
 from doormill_ros.localization.localizer import localize

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from doormill_ros.arrays import ByteArray, FloatArray
-from doormill_ros.cell.layout import CellLayout, load_layout
+from doormill_ros.cell.places.layout import CellLayout, load_layout
 from doormill_ros.config import read
 from doormill_ros.localization.camera import CameraModel, load_camera
 from doormill_ros.localization.localizer import localize

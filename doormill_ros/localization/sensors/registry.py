@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from doormill_ros.cell.layout import CAMERA
+from doormill_ros.cell.places.layout import CAMERA
 from doormill_ros.localization.sensors.axis_vision import load_axis_vision
 from doormill_ros.localization.sensors.errors import BadSensorFile
 from doormill_ros.localization.sensors.one_camera import load_one_camera

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.special import chdtri
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.layout import CellLayout
+from doormill_ros.cell.places.layout import CellLayout
 from doormill_ros.localization.sensors.sensed_door import DEGREES_OF_FREEDOM
 from doormill_ros.recipes.door import DoorSize
 from doormill_ros.values import NotNegative, Section

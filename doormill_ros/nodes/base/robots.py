@@ -5,9 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from doormill_ros.cell.node_names import CAMERA_SIMULATOR, DOOR_SHARES, RECIPE_DATABASE, SENSOR_SIMULATOR
-from doormill_ros.cell.topic_names import SHARE_RESULT
-from doormill_ros.cell.two_robots import FIRST, SECOND, in_robot
+from doormill_ros.cell.graph.node_names import (
+    CAMERA_SIMULATOR,
+    DOOR_SHARES,
+    RECIPE_DATABASE,
+    SENSOR_SIMULATOR,
+)
+from doormill_ros.cell.graph.topic_names import SHARE_RESULT
+from doormill_ros.cell.graph.two_robots import FIRST, SECOND, in_robot
 from doormill_ros.nodes.base import topics
 
 ROBOTS = (FIRST, SECOND)  #: in the order in which they mill

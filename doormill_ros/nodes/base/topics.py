@@ -1,4 +1,4 @@
-"""Every topic of the cell once: its type and its quality of service; names are in `cell/topic_names.py`."""
+"""Every topic of the cell once: its type and its quality of service; names are in `cell/graph/topic_names.py`."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from doormill_interfaces.msg import (
     SpindleLoad,
     TargetArray,
 )
-from doormill_ros.cell import topic_names
+from doormill_ros.cell.graph import topic_names
 
 
 def _qos(

@@ -12,7 +12,7 @@ import zlib
 from collections.abc import Callable, Sequence
 
 from doormill_ros.cell.errors import NodeDeadError, NodeDoubledError
-from doormill_ros.cell.node_names import ABB_BRIDGE
+from doormill_ros.cell.graph.node_names import ABB_BRIDGE
 from doormill_ros.nodes.base.alive import LEASE, AliveWatch, alive_topic
 from doormill_ros.nodes.base.managed_node import ManagedNode
 

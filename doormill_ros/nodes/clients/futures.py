@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from typing import Any
 
-from doormill_ros.cell.waiting import wait_until
+from doormill_ros.cell.run.waiting import wait_until
 
 
 def result_of(future: Any, limit: float, otherwise: str) -> Any:

@@ -9,11 +9,11 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
-from doormill_ros.cell.door_sensors import chosen_sensors
-from doormill_ros.cell.layout import CAMERA, load_layout
-from doormill_ros.cell.node_names import DOOR_SHARES
-from doormill_ros.cell.readiness import OF_A_ROBOT, Readiness, needed_nodes
-from doormill_ros.cell.two_robots import in_robot
+from doormill_ros.cell.graph.door_sensors import chosen_sensors
+from doormill_ros.cell.graph.node_names import DOOR_SHARES
+from doormill_ros.cell.graph.readiness import OF_A_ROBOT, Readiness, needed_nodes
+from doormill_ros.cell.graph.two_robots import in_robot
+from doormill_ros.cell.places.layout import CAMERA, load_layout
 from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.base.robots import ROBOTS
 

@@ -9,7 +9,7 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from doormill_interfaces.action import MillDoor
 from doormill_interfaces.srv import AcceptModel, ListRecipes, RevertModel
 from doormill_ros.cell.errors import CellBusyError, NodeInactiveError, StageRefusedError, StageTimeoutError
-from doormill_ros.cell.node_names import ABB_BRIDGE, DOOR_SHARES
+from doormill_ros.cell.graph.node_names import ABB_BRIDGE, DOOR_SHARES
 from doormill_ros.nodes.base.managed_node import ManagedNode
 from doormill_ros.nodes.clients.futures import result_of
 from doormill_ros.nodes.clients.goal_client import GoalClient

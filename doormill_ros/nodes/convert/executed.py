@@ -13,7 +13,7 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.messages.from_message import transform_of, transforms_of, wrenches_of
 from doormill_ros.nodes.convert.geometry import pose_messages, wrench_message
 from doormill_ros.recipes.recipe import Recipe
-from doormill_ros.simulation.controller.executed_path import ExecutedPath
+from doormill_ros.simulation.controller.records.executed_path import ExecutedPath
 from doormill_ros.simulation.errors import RunMessageError
 from doormill_ros.simulation.judge.milled_part import MilledPart
 from doormill_ros.simulation.judge.verdict import Harm, Touch, Verdict, WoodGone

@@ -10,8 +10,8 @@ from std_msgs.msg import Header
 
 from doormill_interfaces.msg import DoorInspection
 from doormill_ros.frames import DOOR_FRAME
-from doormill_ros.measurements.inspection import CAMERA
-from doormill_ros.measurements.inspection_writer import MeasuredPoints
+from doormill_ros.measurements.inspections.inspection import CAMERA
+from doormill_ros.measurements.inspections.inspection_writer import MeasuredPoints
 from doormill_ros.units import s_to_ns
 
 

@@ -8,7 +8,7 @@ from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker, MarkerArray
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.layout import CellLayout
+from doormill_ros.cell.places.layout import CellLayout
 from doormill_ros.frames import BASE_FRAME, transform
 from doormill_ros.nodes.convert.geometry import pose_message
 from doormill_ros.recipes.recipe import Recipe

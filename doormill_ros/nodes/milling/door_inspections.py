@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from doormill_interfaces.msg import DoorInspection, MilledDoor
-from doormill_ros.cell.inspection import MeasuredDoor
+from doormill_ros.cell.output.inspection import MeasuredDoor
 from doormill_ros.messages.from_message import gauged_of, inspection_of
 from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.base.managed_node import ManagedNode

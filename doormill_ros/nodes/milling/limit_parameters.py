@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import fields
 
-from doormill_ros.cell.run import StageLimits
+from doormill_ros.cell.run.run import StageLimits
 from doormill_ros.nodes.base.node_parameter import NodeParameter
 
 #: What is waited for by stage, and the least and the longest that may be asked for [s].

@@ -11,10 +11,10 @@ from rclpy.callback_groups import CallbackGroup
 
 from doormill_ros.abb.handshake.state import HandshakeState
 from doormill_ros.abb.link_errors import MillingFaultError
-from doormill_ros.cell.clock import step_text
 from doormill_ros.cell.errors import NodeInactiveError, RunCutOffError
-from doormill_ros.cell.inspection import MeasuredDoor
-from doormill_ros.cell.run import Run
+from doormill_ros.cell.output.inspection import MeasuredDoor
+from doormill_ros.cell.run.clock import step_text
+from doormill_ros.cell.run.run import Run
 from doormill_ros.messages.stamps import seconds_of
 from doormill_ros.nodes.base.managed_node import ManagedNode
 from doormill_ros.nodes.base.reporting_node import WARN

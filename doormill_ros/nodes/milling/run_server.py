@@ -13,11 +13,11 @@ from rclpy.callback_groups import CallbackGroup
 
 from doormill_interfaces.action import MillDoor
 from doormill_interfaces.msg import RunResult
-from doormill_ros.cell.clock import Clock
 from doormill_ros.cell.errors import CellBusyError, NodeInactiveError, WrongGoalError
-from doormill_ros.cell.node_names import DOOR_SHARES
-from doormill_ros.cell.run import Run, RunDesk, StageLimits
-from doormill_ros.cell.run_in_hand import RunNote
+from doormill_ros.cell.graph.node_names import DOOR_SHARES
+from doormill_ros.cell.run.clock import Clock
+from doormill_ros.cell.run.run import Run, RunDesk, StageLimits
+from doormill_ros.cell.run.run_in_hand import RunNote
 from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.base.managed_node import ManagedNode
 from doormill_ros.nodes.convert.run_end import run_end_into

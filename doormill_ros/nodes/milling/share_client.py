@@ -12,10 +12,10 @@ from std_msgs.msg import Bool, String
 from doormill_interfaces.action import MillDoor
 from doormill_interfaces.msg import RunResult
 from doormill_ros.cell.errors import NodeDeadError
-from doormill_ros.cell.run import TARGETS
-from doormill_ros.cell.summary import StageDurations
-from doormill_ros.cell.topic_names import SHARE_RESULT
-from doormill_ros.cell.two_robots import in_robot
+from doormill_ros.cell.graph.topic_names import SHARE_RESULT
+from doormill_ros.cell.graph.two_robots import in_robot
+from doormill_ros.cell.output.summary import StageDurations
+from doormill_ros.cell.run.run import TARGETS
 from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.base.alive import LEASE, AliveWatch
 from doormill_ros.nodes.base.managed_node import ManagedNode

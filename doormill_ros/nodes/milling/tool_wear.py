@@ -6,7 +6,7 @@ from functools import partial
 
 from doormill_interfaces.msg import AbbStatus, RunResult, TargetArray
 from doormill_ros.abb.handshake.state import HandshakeState
-from doormill_ros.cell.two_robots import in_robot
+from doormill_ros.cell.graph.two_robots import in_robot
 from doormill_ros.messages.from_message import program_of
 from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.base.managed_node import ManagedNode

@@ -14,9 +14,8 @@ from typing import Any
 import rclpy
 import yaml
 
-from doormill_ros.cell.door_sensors import chosen_sensors, node_of
-from doormill_ros.cell.layout import CAMERA, load_layout
-from doormill_ros.cell.node_names import (
+from doormill_ros.cell.graph.door_sensors import chosen_sensors, node_of
+from doormill_ros.cell.graph.node_names import (
     ABB_BRIDGE,
     BAG_RECORDER,
     CAMERA_SIMULATOR,
@@ -28,9 +27,10 @@ from doormill_ros.cell.node_names import (
     PATH_GENERATOR,
     SENSOR_SIMULATOR,
 )
-from doormill_ros.cell.run_folder import RunFolder
-from doormill_ros.cell.summary import RunSummary
-from doormill_ros.cell.two_robots import in_robot
+from doormill_ros.cell.graph.two_robots import in_robot
+from doormill_ros.cell.output.run_folder import RunFolder
+from doormill_ros.cell.output.summary import RunSummary
+from doormill_ros.cell.places.layout import CAMERA, load_layout
 from doormill_ros.files import write_atomically
 from doormill_ros.interrupts import Terminated
 from doormill_ros.localization.sensors.registry import CELL_SENSORS, registered

@@ -12,10 +12,9 @@ from rclpy.node import Node
 
 from doormill_interfaces.action import MillDoor
 from doormill_ros.cell.errors import StageTimeoutError
-from doormill_ros.cell.inspection import outcome
-from doormill_ros.cell.layout import DoorOffset
-from doormill_ros.cell.run_folder import RunFolder
-from doormill_ros.cell.summary import (
+from doormill_ros.cell.output.inspection import outcome
+from doormill_ros.cell.output.run_folder import RunFolder
+from doormill_ros.cell.output.summary import (
     CycleTime,
     FeatureError,
     RunSummary,
@@ -24,7 +23,8 @@ from doormill_ros.cell.summary import (
     TouchedBody,
     localization_error,
 )
-from doormill_ros.cell.waiting import wait
+from doormill_ros.cell.places.layout import DoorOffset
+from doormill_ros.cell.run.waiting import wait
 from doormill_ros.messages.from_message import recipe_of
 from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.clients.futures import result_of

@@ -11,7 +11,7 @@ import rclpy
 from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException
 
-from doormill_ros.cell.run_folder import RunFolder
+from doormill_ros.cell.output.run_folder import RunFolder
 from doormill_ros.monitor.runs_watch import RunsState
 from doormill_ros.monitor.watch_state import WatchState
 from doormill_ros.nodes.model_monitor import ModelMonitor

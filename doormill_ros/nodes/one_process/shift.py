@@ -8,10 +8,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from doormill_ros.cell.node_names import CAMERA_SIMULATOR, CONTROLLER_SIMULATOR, PATH_GENERATOR
-from doormill_ros.cell.run_folder import ShiftFolder
-from doormill_ros.cell.shift_summary import ShiftSummary
-from doormill_ros.cell.summary import RunSummary
+from doormill_ros.cell.graph.node_names import CAMERA_SIMULATOR, CONTROLLER_SIMULATOR, PATH_GENERATOR
+from doormill_ros.cell.output.run_folder import ShiftFolder
+from doormill_ros.cell.output.shift_summary import ShiftSummary
+from doormill_ros.cell.output.summary import RunSummary
 from doormill_ros.nodes.one_process.cell import CellOptions, run_in
 from doormill_ros.nodes.simulated.controller_simulator import switch_on
 

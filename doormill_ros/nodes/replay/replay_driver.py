@@ -13,8 +13,8 @@ from rclpy.node import Node
 from rclpy.serialization import deserialize_message
 
 from doormill_interfaces.action import MillDoor
-from doormill_ros.cell.layout import CAMERA
-from doormill_ros.cell.waiting import wait, wait_until
+from doormill_ros.cell.places.layout import CAMERA
+from doormill_ros.cell.run.waiting import wait, wait_until
 from doormill_ros.messages.stamps import nanoseconds_of
 from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.clients.goal_client import GoalClient

@@ -9,8 +9,8 @@ from geometry_msgs.msg import PoseStamped
 
 from doormill_interfaces.msg import DoorLocalization, SensorLocalization
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.door_sensors import chosen_sensors
-from doormill_ros.cell.layout import CellLayout
+from doormill_ros.cell.graph.door_sensors import chosen_sensors
+from doormill_ros.cell.places.layout import CellLayout
 from doormill_ros.localization.result import FREE
 from doormill_ros.localization.sensors.registry import registered
 from doormill_ros.nodes.base import topics

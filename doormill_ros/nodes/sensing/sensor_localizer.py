@@ -8,7 +8,7 @@ from typing import Any
 from std_msgs.msg import Header
 
 from doormill_interfaces.msg import DoorLocalization, DoorRecipe, SensorReading
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.frames import BASE_FRAME, DOOR_FRAME
 from doormill_ros.localization.sensors.registry import SENSORS
 from doormill_ros.nodes.base import topics

@@ -11,9 +11,9 @@ from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Header
 
 from doormill_interfaces.msg import DoorPlacement, DoorRecipe
-from doormill_ros.cell.door_sensors import chosen_sensors
-from doormill_ros.cell.layout import CAMERA, OFFSETS, DoorOffset, load_layout
-from doormill_ros.cell.node_names import CAMERA_SIMULATOR
+from doormill_ros.cell.graph.door_sensors import chosen_sensors
+from doormill_ros.cell.graph.node_names import CAMERA_SIMULATOR
+from doormill_ros.cell.places.layout import CAMERA, OFFSETS, DoorOffset, load_layout
 from doormill_ros.frames import BASE_FRAME, CAMERA_FRAME
 from doormill_ros.messages.from_message import recipe_of
 from doormill_ros.nodes.base import topics

@@ -11,14 +11,18 @@ from typing import Any, TypeVar
 from std_msgs.msg import Header
 
 from doormill_interfaces.msg import DoorPlacement, DoorRecipe, MilledDoor, RunResult, TargetArray
-from doormill_ros.cell.gauged import note_gauged
-from doormill_ros.cell.layout import load_layout
-from doormill_ros.cell.node_names import CONTROLLER_SIMULATOR
-from doormill_ros.cell.tolerance import TOLERANCE
-from doormill_ros.cell.two_robots import SECOND
-from doormill_ros.cell.waiting import wait
+from doormill_ros.cell.graph.node_names import CONTROLLER_SIMULATOR
+from doormill_ros.cell.graph.two_robots import SECOND
+from doormill_ros.cell.output.gauged import note_gauged
+from doormill_ros.cell.places.layout import load_layout
+from doormill_ros.cell.places.tolerance import TOLERANCE
+from doormill_ros.cell.run.waiting import wait
 from doormill_ros.frames import BASE_FRAME, DOOR_FRAME
-from doormill_ros.measurements.inspection_writer import MeasuredPoints, inspection_texts, write_inspection
+from doormill_ros.measurements.inspections.inspection_writer import (
+    MeasuredPoints,
+    inspection_texts,
+    write_inspection,
+)
 from doormill_ros.messages.from_message import program_of, recipe_of, transform_of
 from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.base.managed_node import ManagedNode
@@ -28,7 +32,7 @@ from doormill_ros.nodes.convert.executed import executed_message, milled_message
 from doormill_ros.nodes.convert.inspection import inspection_message
 from doormill_ros.nodes.simulated.simulated_shift import WORLD_PARAMETERS, SimulatedShift
 from doormill_ros.robot.description import load_robot
-from doormill_ros.simulation.controller.arm import ControllerArm
+from doormill_ros.simulation.controller.motions.arm import ControllerArm
 from doormill_ros.simulation.controller.rws_server.running import served_cabinet
 from doormill_ros.simulation.controller.rws_server.serving import VERSIONS, serve
 from doormill_ros.simulation.judge.bodies import load_cell

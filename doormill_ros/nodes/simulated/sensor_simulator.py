@@ -8,9 +8,9 @@ from typing import Any
 from std_msgs.msg import Header
 
 from doormill_interfaces.msg import DoorPlacement, DoorRecipe, SensorReading
-from doormill_ros.cell.door_sensors import chosen_sensors
-from doormill_ros.cell.layout import load_layout
-from doormill_ros.cell.node_names import SENSOR_SIMULATOR
+from doormill_ros.cell.graph.door_sensors import chosen_sensors
+from doormill_ros.cell.graph.node_names import SENSOR_SIMULATOR
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.frames import BASE_FRAME
 from doormill_ros.messages.from_message import recipe_of, transform_of
 from doormill_ros.nodes.base import topics

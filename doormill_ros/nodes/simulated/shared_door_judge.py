@@ -9,9 +9,9 @@ from std_msgs.msg import Header
 
 from doormill_interfaces.msg import DoorPlacement, DoorRecipe, ExecutedPath
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.node_names import SHARED_DOOR_JUDGE
-from doormill_ros.cell.tolerance import TOLERANCE
-from doormill_ros.cell.two_robots import FIRST, SECOND, in_robot
+from doormill_ros.cell.graph.node_names import SHARED_DOOR_JUDGE
+from doormill_ros.cell.graph.two_robots import FIRST, SECOND, in_robot
+from doormill_ros.cell.places.tolerance import TOLERANCE
 from doormill_ros.frames import DOOR_FRAME
 from doormill_ros.messages.from_message import recipe_of
 from doormill_ros.nodes.base import topics

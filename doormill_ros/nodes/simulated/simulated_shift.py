@@ -6,11 +6,11 @@ from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.nodes.base.node_parameter import NodeParameter
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.description import load_robot
-from doormill_ros.simulation.controller.executed_path import ExecutedPath
+from doormill_ros.simulation.controller.records.executed_path import ExecutedPath
 from doormill_ros.simulation.world.door_truth import TAKT, DoorTruth
 from doormill_ros.simulation.world.world_file import ShiftWorld, load_world
 

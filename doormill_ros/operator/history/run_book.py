@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from doormill_ros.cell.inspection import MeasuredDoor
+from doormill_ros.cell.output.inspection import MeasuredDoor
 from doormill_ros.operator.history.history import append_history, kept_run, load_history
 from doormill_ros.operator.views.ended_run import EndedRun
 from doormill_ros.operator.views.view_store import ViewStore

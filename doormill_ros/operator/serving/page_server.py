@@ -10,7 +10,7 @@ from typing import Any
 import uvicorn
 from fastapi import FastAPI
 
-from doormill_ros.cell.waiting import wait
+from doormill_ros.cell.run.waiting import wait
 from doormill_ros.operator.errors import PageAddressError
 from doormill_ros.operator.serving.prompt_protocol import PromptProtocol
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from doormill_ros.cell.errors import OutOfToleranceError
-from doormill_ros.cell.inspection import MILLED, NOT_MEASURED, OUT_OF_TOLERANCE, MeasuredDoor, outcome
+from doormill_ros.cell.output.inspection import MILLED, NOT_MEASURED, OUT_OF_TOLERANCE, MeasuredDoor, outcome
 
 _CAME_TO = {MILLED: "milled", NOT_MEASURED: "not_measured", OUT_OF_TOLERANCE: "out_of_tolerance"}
 

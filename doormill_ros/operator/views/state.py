@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 from doormill_ros.cell.errors import OutOfToleranceError
-from doormill_ros.cell.inspection import MeasuredDoor
+from doormill_ros.cell.output.inspection import MeasuredDoor
 from doormill_ros.operator.views.advice import Advice, next_step
 from doormill_ros.operator.views.captioned_picture import EncodedPicture
 from doormill_ros.operator.views.door_view import DoorView

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell import topic_names
-from doormill_ros.cell.layout import DoorOffset
+from doormill_ros.cell.graph import topic_names
+from doormill_ros.cell.places.layout import DoorOffset
 from doormill_ros.frames import quaternion_xyzw
 from doormill_ros.localization.gige.errors import NoPictureInTime
 from doormill_ros.localization.sensors.sensed_door import DEGREES_OF_FREEDOM, SensedDoor

@@ -7,8 +7,8 @@ from functools import lru_cache
 from typing import Any
 
 from doormill_ros.abb.target_file.target_file import render_target_file
-from doormill_ros.cell.layout import CAMERA, CellLayout, load_layout
-from doormill_ros.cell.two_robots import FIRST, SHARE_OF, robot_of
+from doormill_ros.cell.graph.two_robots import FIRST, SHARE_OF, robot_of
+from doormill_ros.cell.places.layout import CAMERA, CellLayout, load_layout
 from doormill_ros.errors import DoormillError
 from doormill_ros.localization.camera import CameraModel, load_camera
 from doormill_ros.localization.errors import LocalizationError, StalePicture

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from doormill_ros.cell.layout import CAMERA
-from doormill_ros.cell.topic_names import (
+from doormill_ros.cell.graph.topic_names import (
     CAMERA_INFO,
     COMPRESSED,
     IMAGE,
 )
+from doormill_ros.cell.places.layout import CAMERA
 from doormill_ros.messages.stamps import nanoseconds_of
 from doormill_ros.recording.replay.answer import (
     Answer,

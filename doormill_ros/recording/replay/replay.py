@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from doormill_ros.cell.topic_names import RUN_RESULT
+from doormill_ros.cell.graph.topic_names import RUN_RESULT
 from doormill_ros.recording.completeness import check_whole
 from doormill_ros.recording.errors import IncompleteBagError
 from doormill_ros.recording.replay.answer import RECIPE_STAGE, Answer

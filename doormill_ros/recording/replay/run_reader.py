@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from doormill_ros.cell.topic_names import (
+from doormill_ros.cell.graph.topic_names import (
     ABB_STATUS,
     ABB_TARGET_FILE,
     CAMERA_INFO,
@@ -20,7 +20,7 @@ from doormill_ros.cell.topic_names import (
     SENSOR_READING,
     name_of,
 )
-from doormill_ros.cell.two_robots import robot_of
+from doormill_ros.cell.graph.two_robots import robot_of
 from doormill_ros.messages.stamps import nanoseconds_of
 from doormill_ros.recording.bag_reader import BagMessage, read_bag
 from doormill_ros.recording.errors import EmptyBagError

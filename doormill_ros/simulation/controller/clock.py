@@ -9,14 +9,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from doormill_ros.simulation.controller.cell import GUARD_CLOSED, SPINDLE_AT_SPEED, SimulatedCell
+from doormill_ros.simulation.controller.cabinet.cell import GUARD_CLOSED, SPINDLE_AT_SPEED, SimulatedCell
 from doormill_ros.simulation.controller.motion import LONGEST_STEP, MotionEngine
 from doormill_ros.simulation.controller.operation.configuration import SystemOutputs
 from doormill_ros.simulation.controller.operation.panel import ControlPanel
 from doormill_ros.simulation.controller.operation.states import OperatingMode
 from doormill_ros.simulation.controller.rapid.errors import RapidStoppedError
 from doormill_ros.simulation.controller.rapid.machine import Attendant
-from doormill_ros.simulation.controller.recording import Surroundings
+from doormill_ros.simulation.controller.records.recording import Surroundings
 
 #: So often is looked for interrupts while time passes [s].
 INTERRUPT_STEP = 0.01

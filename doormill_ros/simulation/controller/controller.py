@@ -9,28 +9,28 @@ from pathlib import Path
 import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray
-from doormill_ros.cell.layout import CellLayout, load_layout
-from doormill_ros.simulation.controller.arm import ControllerArm
-from doormill_ros.simulation.controller.cell import SimulatedCell
+from doormill_ros.cell.places.layout import CellLayout, load_layout
+from doormill_ros.simulation.controller.cabinet.cell import SimulatedCell
+from doormill_ros.simulation.controller.cabinet.io_port import IoPort, MemoryIo
+from doormill_ros.simulation.controller.cabinet.teach_pendant import TeachPendant
+from doormill_ros.simulation.controller.cabinet.tool_rack import ToolRack
 from doormill_ros.simulation.controller.clock import ControllerClock, Pace
-from doormill_ros.simulation.controller.event_routines import check_event_routines
-from doormill_ros.simulation.controller.executed_path import ExecutedPath
-from doormill_ros.simulation.controller.installed import Installed, read_installed
-from doormill_ros.simulation.controller.io_port import IoPort, MemoryIo
-from doormill_ros.simulation.controller.limits import ControllerLimits, load_limits
+from doormill_ros.simulation.controller.configuration.event_routines import check_event_routines
+from doormill_ros.simulation.controller.configuration.installed import Installed, read_installed
 from doormill_ros.simulation.controller.motion import MotionEngine
+from doormill_ros.simulation.controller.motions.arm import ControllerArm
+from doormill_ros.simulation.controller.motions.limits import ControllerLimits, load_limits
 from doormill_ros.simulation.controller.moves import MotionContext, MovePlanner
 from doormill_ros.simulation.controller.operation.execution import Execution
 from doormill_ros.simulation.controller.operation.outputs import OutputMemory
 from doormill_ros.simulation.controller.operation.panel import ControlPanel
-from doormill_ros.simulation.controller.process import Process, WrenchOf, module_process
 from doormill_ros.simulation.controller.rapid.errors import RapidStoppedError
 from doormill_ros.simulation.controller.rapid.program import RapidProgram
-from doormill_ros.simulation.controller.recorded_path import build_executed_path
-from doormill_ros.simulation.controller.recording import MotionRecording, Sampling
+from doormill_ros.simulation.controller.records.executed_path import ExecutedPath
+from doormill_ros.simulation.controller.records.process import Process, WrenchOf, module_process
+from doormill_ros.simulation.controller.records.recorded_path import build_executed_path
+from doormill_ros.simulation.controller.records.recording import MotionRecording, Sampling
 from doormill_ros.simulation.controller.task_machine import LogEntry, TaskMachine
-from doormill_ros.simulation.controller.teach_pendant import TeachPendant
-from doormill_ros.simulation.controller.tool_rack import ToolRack
 from doormill_ros.simulation.truth.robot import TruthRobot
 
 #: PERS of DoorLink.mod that names the door in the cell.

@@ -12,16 +12,16 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.simulation.controller.arm import ControllerArm
-from doormill_ros.simulation.controller.coasting import coast
-from doormill_ros.simulation.controller.curves import angle_between
-from doormill_ros.simulation.controller.limits import ControllerLimits
+from doormill_ros.simulation.controller.motions.arm import ControllerArm
+from doormill_ros.simulation.controller.motions.coasting import coast
+from doormill_ros.simulation.controller.motions.curves import angle_between
+from doormill_ros.simulation.controller.motions.limits import ControllerLimits
+from doormill_ros.simulation.controller.motions.path import Path, PathBuilder
+from doormill_ros.simulation.controller.motions.stretches import Stretch, Stretches
+from doormill_ros.simulation.controller.motions.track import PathNode, SpeedRules
 from doormill_ros.simulation.controller.moves import MotionContext, PlannedMove
 from doormill_ros.simulation.controller.operation.panel import REGAIN_READY, REGAIN_START, Log
-from doormill_ros.simulation.controller.path import Path, PathBuilder
-from doormill_ros.simulation.controller.recording import MotionRecording, Sampling, Surroundings
-from doormill_ros.simulation.controller.stretches import Stretch, Stretches
-from doormill_ros.simulation.controller.track import PathNode, SpeedRules
+from doormill_ros.simulation.controller.records.recording import MotionRecording, Sampling, Surroundings
 
 #: Motions that the program pointer may be ahead.
 LOOK_AHEAD = 3

@@ -10,9 +10,9 @@ import numpy as np
 from doormill_ros.abb.errors import AbbError
 from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import from_wxyz, inverse
-from doormill_ros.simulation.controller.arm import QUARTER, ControllerArm
-from doormill_ros.simulation.controller.curves import TcpArc, TcpCurve, TcpLine
-from doormill_ros.simulation.controller.limits import ControllerLimits
+from doormill_ros.simulation.controller.motions.arm import QUARTER, ControllerArm
+from doormill_ros.simulation.controller.motions.curves import TcpArc, TcpCurve, TcpLine
+from doormill_ros.simulation.controller.motions.limits import ControllerLimits
 from doormill_ros.simulation.controller.operation.panel import Log
 from doormill_ros.simulation.controller.rapid.errors import RapidMotionError
 from doormill_ros.simulation.controller.rapid.machine import Move

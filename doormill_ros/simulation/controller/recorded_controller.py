@@ -10,7 +10,7 @@ from pathlib import Path
 from doormill_ros.abb import signals
 from doormill_ros.abb.handshake.state import HandshakeState
 from doormill_ros.files import write_atomically
-from doormill_ros.simulation.controller.io_port import FolderIo
+from doormill_ros.simulation.controller.cabinet.io_port import FolderIo
 from doormill_ros.units import ns_to_s
 
 POLL = 0.005  # s

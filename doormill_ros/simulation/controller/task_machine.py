@@ -10,19 +10,19 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import inverse, quaternion_wxyz
-from doormill_ros.simulation.controller.arm import ControllerArm
-from doormill_ros.simulation.controller.cell import SimulatedCell
+from doormill_ros.simulation.controller.cabinet.cell import SimulatedCell
+from doormill_ros.simulation.controller.cabinet.teach_pendant import TeachPendant
 from doormill_ros.simulation.controller.clock import ControllerClock
 from doormill_ros.simulation.controller.motion import MotionEngine
+from doormill_ros.simulation.controller.motions.arm import ControllerArm
 from doormill_ros.simulation.controller.moves import MovePlanner
 from doormill_ros.simulation.controller.operation.execution import Execution
 from doormill_ros.simulation.controller.operation.panel import ControlPanel
-from doormill_ros.simulation.controller.process import Process
 from doormill_ros.simulation.controller.rapid.faults import RapidFault, RapidStop
 from doormill_ros.simulation.controller.rapid.machine import Attendant, Dialog, DialogAnswer, Move
 from doormill_ros.simulation.controller.rapid.program import RapidProgram
 from doormill_ros.simulation.controller.rapid.types import Value
-from doormill_ros.simulation.controller.teach_pendant import TeachPendant
+from doormill_ros.simulation.controller.records.process import Process
 from doormill_ros.units import deg_to_rad, m_to_mm, mm_to_m, rad_to_deg
 
 #: Time that one RAPID statement takes [s]; the order of magnitude of a present controller.

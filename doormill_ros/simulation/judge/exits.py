@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray, IntArray
-from doormill_ros.simulation.controller.executed_path import ExecutedPath
+from doormill_ros.simulation.controller.records.executed_path import ExecutedPath
 from doormill_ros.simulation.judge.boards import SolidBoard
 from doormill_ros.simulation.judge.verdict import TornOut
 

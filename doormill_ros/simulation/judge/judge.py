@@ -11,7 +11,7 @@ import numpy as np
 from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.frames import inverse
 from doormill_ros.recipes.recipe import Recipe
-from doormill_ros.simulation.controller.executed_path import ExecutedPath
+from doormill_ros.simulation.controller.records.executed_path import ExecutedPath
 from doormill_ros.simulation.judge.bodies import Body, Box, JudgedCell
 from doormill_ros.simulation.judge.links import BASE, FLANGE
 from doormill_ros.simulation.judge.manner import bad_cuts

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.frames import inverse
 from doormill_ros.recipes.recipe import Recipe
-from doormill_ros.simulation.controller.executed_path import ExecutedPath
+from doormill_ros.simulation.controller.records.executed_path import ExecutedPath
 from doormill_ros.simulation.judge.bodies import JudgedCell
 from doormill_ros.simulation.judge.judge import judge
 from doormill_ros.simulation.judge.milled_part import MilledPart, inspect

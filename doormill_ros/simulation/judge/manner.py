@@ -19,7 +19,7 @@ from doormill_ros.frames import inverse, transform
 from doormill_ros.recipes.cutting import Direction
 from doormill_ros.recipes.features.base import Feature
 from doormill_ros.recipes.recipe import Recipe
-from doormill_ros.simulation.controller.executed_path import ExecutedPath
+from doormill_ros.simulation.controller.records.executed_path import ExecutedPath
 from doormill_ros.simulation.judge.verdict import BadCut
 from doormill_ros.units import deg_to_rad, rad_to_deg
 

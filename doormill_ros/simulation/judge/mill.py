@@ -10,7 +10,7 @@ import numpy as np
 from doormill_ros.arrays import BoolArray, FloatArray, IntArray
 from doormill_ros.frames import inverse
 from doormill_ros.recipes.recipe import Recipe
-from doormill_ros.simulation.controller.executed_path import ExecutedPath
+from doormill_ros.simulation.controller.records.executed_path import ExecutedPath
 from doormill_ros.simulation.judge.bodies import JudgedCell
 from doormill_ros.simulation.judge.exits import torn_out
 from doormill_ros.simulation.judge.links import FLANGE

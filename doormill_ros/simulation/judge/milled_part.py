@@ -29,7 +29,7 @@ from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.frames import inverse
 from doormill_ros.recipes.features.base import Feature
 from doormill_ros.recipes.recipe import Recipe
-from doormill_ros.simulation.controller.executed_path import ExecutedPath
+from doormill_ros.simulation.controller.records.executed_path import ExecutedPath
 from doormill_ros.simulation.judge.mills import mill_radius
 
 LAYERS = (0.05, 0.275, 0.5, 0.725, 0.95)  #: fractions of the depth at which walls are measured

@@ -6,7 +6,7 @@ import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.recipes.recipe import Recipe
-from doormill_ros.simulation.controller.executed_path import ExecutedPath
+from doormill_ros.simulation.controller.records.executed_path import ExecutedPath
 
 
 def mill_radius(recipe: Recipe, executed: ExecutedPath) -> FloatArray:

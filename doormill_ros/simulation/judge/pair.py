@@ -14,7 +14,7 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import inverse, transform
 from doormill_ros.recipes.recipe import Recipe
-from doormill_ros.simulation.controller.executed_path import ExecutedPath
+from doormill_ros.simulation.controller.records.executed_path import ExecutedPath
 from doormill_ros.simulation.judge.bodies import Body, Box, Capsule, JudgedCell
 from doormill_ros.simulation.judge.judge import judge
 from doormill_ros.simulation.judge.links import BASE, FLANGE

@@ -16,7 +16,7 @@ from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.frames import inverse, transform
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.recipes.tabled_tool import TabledTool
-from doormill_ros.simulation.controller.executed_path import ExecutedPath
+from doormill_ros.simulation.controller.records.executed_path import ExecutedPath
 from doormill_ros.simulation.judge.bodies import Box, JudgedCell, JudgedPlace
 from doormill_ros.simulation.judge.links import BASE, FLANGE
 from doormill_ros.simulation.judge.sweep import Meeting, Sweep

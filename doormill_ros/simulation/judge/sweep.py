@@ -17,7 +17,7 @@ import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.frames import inverse
-from doormill_ros.simulation.controller.executed_path import ExecutedPath
+from doormill_ros.simulation.controller.records.executed_path import ExecutedPath
 from doormill_ros.simulation.judge.links import FLANGE, Links
 
 STEP = 1e-3  #: no point of a body moves further between two looks [m]

@@ -13,7 +13,7 @@ from typing import Annotated
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.layout import CellLayout, DoorOffset, load_layout
+from doormill_ros.cell.places.layout import CellLayout, DoorOffset, load_layout
 from doormill_ros.config import read
 from doormill_ros.resources import resource
 from doormill_ros.simulation.errors import SceneFileError

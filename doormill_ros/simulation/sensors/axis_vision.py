@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from scipy.special import ndtr
 
 from doormill_ros.arrays import ByteArray, Float32Array, FloatArray
-from doormill_ros.cell.layout import CellLayout, load_layout
+from doormill_ros.cell.places.layout import CellLayout, load_layout
 from doormill_ros.config import read_document
 from doormill_ros.recipes.door import DoorSize
 from doormill_ros.resources import resource

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.layout import CellLayout
+from doormill_ros.cell.places.layout import CellLayout
 
 #: Which door coordinate vanishes on each face; the nominal door's axes are those of the base.
 FACES = {"face": 0, "hinge": 1, "bottom": 2}

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.layout import CellLayout, load_layout
+from doormill_ros.cell.places.layout import CellLayout, load_layout
 from doormill_ros.config import read_document
 from doormill_ros.recipes.door import DoorSize
 from doormill_ros.resources import resource

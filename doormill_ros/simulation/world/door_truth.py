@@ -9,8 +9,8 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import inverse, rotation_from_vector, transform
 from doormill_ros.recipes.recipe import Recipe
-from doormill_ros.simulation.controller.executed_path import ExecutedPath
-from doormill_ros.simulation.controller.limits import ControllerLimits, load_limits
+from doormill_ros.simulation.controller.motions.limits import ControllerLimits, load_limits
+from doormill_ros.simulation.controller.records.executed_path import ExecutedPath
 from doormill_ros.simulation.truth.last_motion import last_directions
 from doormill_ros.simulation.world.corners import cut_corners
 from doormill_ros.simulation.world.engagement import engaged_wrench

@@ -13,7 +13,7 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import inverse
 from doormill_ros.recipes.recipe import Recipe
-from doormill_ros.simulation.controller.executed_path import ExecutedPath
+from doormill_ros.simulation.controller.records.executed_path import ExecutedPath
 
 RADIAL = 0.3  #: force towards the axis over force along the edge's way
 CELL = 2.5e-4  #: of the map of what is gone [m]

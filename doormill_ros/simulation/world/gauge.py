@@ -16,7 +16,7 @@ from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.frames import apply, inverse
 from doormill_ros.recipes.features.base import Feature
 from doormill_ros.recipes.recipe import Recipe
-from doormill_ros.simulation.controller.executed_path import ExecutedPath
+from doormill_ros.simulation.controller.records.executed_path import ExecutedPath
 
 WALL_STEP = 3e-3  #: distance of points along a wall [m]
 FLOOR_STEP = 8e-3  #: distance of points on a floor [m]

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.backing import Board
+from doormill_ros.cell.places.backing import Board
 from doormill_ros.recipes.door import DoorSize, Side
 from doormill_ros.recipes.features.base import BREAKTHROUGH
 from doormill_ros.toolpath.cuts.operation import Operation

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.layout import CellLayout
+from doormill_ros.cell.places.layout import CellLayout
 from doormill_ros.collision.world import Mill, PlacedDoor, World
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.configuration import configuration_index

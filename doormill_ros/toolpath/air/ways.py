@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.layout import CellLayout
+from doormill_ros.cell.places.layout import CellLayout
 from doormill_ros.collision.joint_way import joint_way
 from doormill_ros.collision.sweep import Contact, contact_along, contact_at
 from doormill_ros.collision.world import World

@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.layout import CellLayout
-from doormill_ros.cell.rack import Rack, RackPlace
+from doormill_ros.cell.places.layout import CellLayout
+from doormill_ros.cell.places.rack import Rack, RackPlace
 from doormill_ros.cell.rapid_limits import MAX_POINTS
 from doormill_ros.collision.joint_way import joint_way
 from doormill_ros.collision.sweep import Contact, bulge_of, contact_along

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from doormill_ros.cell.rack import Rack
+from doormill_ros.cell.places.rack import Rack
 from doormill_ros.toolpath.cuts.operation import Operation
 from doormill_ros.toolpath.errors import PathError, ToolChangeError, ToolPlaceError
 

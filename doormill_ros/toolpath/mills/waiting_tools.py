@@ -8,8 +8,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.layout import CellLayout
-from doormill_ros.cell.rack import Rack, RackPlace
+from doormill_ros.cell.places.layout import CellLayout
+from doormill_ros.cell.places.rack import Rack, RackPlace
 from doormill_ros.frames import transform
 from doormill_ros.recipes.tabled_tool import TabledTool
 from doormill_ros.recipes.tool import Tool

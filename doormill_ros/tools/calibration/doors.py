@@ -14,7 +14,7 @@ import numpy as np
 from pydantic import model_validator
 
 from doormill_ros.arrays import ByteArray
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.config import read
 from doormill_ros.localization.calibration.camera_file import (
     lens_covariance,

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from doormill_ros.arrays import ByteArray
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.localization.calibration.camera_file import read_document, with_empty_clamp, write_document
 from doormill_ros.localization.calibration.empty_picture import empty_picture
 from doormill_ros.localization.calibration.errors import BadCalibrationFile

@@ -9,7 +9,7 @@ from doormill_ros.diagnosis.core.fitting.fit import bounds, fit, normal_equation
 from doormill_ros.diagnosis.core.fitting.price import LEFT_OUT, price_of_number
 from doormill_ros.diagnosis.core.searching.beam import BeamSearch
 from doormill_ros.diagnosis.loading.kind import LoadingTests
-from doormill_ros.measurements.measurement_set import read_measurement_set
+from doormill_ros.measurements.sets.measurement_set import read_measurement_set
 from support.source_tree import ROOT
 
 EXAMPLE = ROOT / "docs" / "diagnosis_example"

@@ -9,8 +9,8 @@ import yaml
 from doormill_ros.diagnosis.core.diagnosis import diagnose_problem
 from doormill_ros.diagnosis.loading.laws import MEAN_PART, with_laws
 from doormill_ros.diagnosis.loading.problem import LoadingProblem
-from doormill_ros.measurements.join_sets import join_sets
-from doormill_ros.measurements.measurement_set import read_measurement_set
+from doormill_ros.measurements.sets.join_sets import join_sets
+from doormill_ros.measurements.sets.measurement_set import read_measurement_set
 from doormill_ros.robot_model.extended_model import load_compliance_model
 from doormill_ros.tools.diagnose import main
 from support.law_worlds.world import draw

@@ -7,7 +7,7 @@ from doormill_ros.diagnosis.core.diagnosis import diagnose_problem
 from doormill_ros.diagnosis.law.search import LawSearch
 from doormill_ros.diagnosis.loading.law_place import place_of
 from doormill_ros.diagnosis.loading.problem import LoadingProblem
-from doormill_ros.measurements.measurement_set import read_measurement_set
+from doormill_ros.measurements.sets.measurement_set import read_measurement_set
 from doormill_ros.robot_model.elastic.law.dictionary import dictionary
 from support.law_worlds.world import draw
 

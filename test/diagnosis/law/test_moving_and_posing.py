@@ -11,8 +11,8 @@ from doormill_ros.diagnosis.motion import laws as motion_laws
 from doormill_ros.diagnosis.motion.diagnosis import diagnose_motions
 from doormill_ros.diagnosis.pose import laws as pose_laws
 from doormill_ros.diagnosis.pose.diagnosis import diagnose_poses
-from doormill_ros.measurements.motion_set import read_motion_set
-from doormill_ros.measurements.pose_set import read_pose_set
+from doormill_ros.measurements.sets.motion_set import read_motion_set
+from doormill_ros.measurements.sets.pose_set import read_pose_set
 from doormill_ros.robot_model.motion.model import load_motion_model
 from doormill_ros.robot_model.pose.model import load_pose_model
 from doormill_ros.tools.diagnose import main

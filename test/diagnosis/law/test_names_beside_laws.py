@@ -11,8 +11,8 @@ from doormill_ros.diagnosis.motion.needless import OTHER_LAW
 from doormill_ros.diagnosis.pose import laws as pose_laws
 from doormill_ros.diagnosis.pose.diagnosis import diagnose_poses
 from doormill_ros.diagnosis.pose.laws import NEEDLESS, SHARED
-from doormill_ros.measurements.motion_set import read_motion_set
-from doormill_ros.measurements.pose_set import read_pose_set
+from doormill_ros.measurements.sets.motion_set import read_motion_set
+from doormill_ros.measurements.sets.pose_set import read_pose_set
 from support.motion_laws.world import draw as draw_motion
 from support.motion_world import Recording, hide, record
 from support.pose_laws.laws import Law

@@ -7,7 +7,7 @@ import pytest
 
 from doormill_ros.diagnosis.law.linear import LinearProblem, established
 from doormill_ros.diagnosis.law.remainder import searched_once
-from doormill_ros.measurements.motion_set import read_motion_set
+from doormill_ros.measurements.sets.motion_set import read_motion_set
 from doormill_ros.robot_model.motion.law.dictionary import dictionary
 from doormill_ros.robot_model.motion.law.ride import ride_of
 from support.motion_laws.world import draw

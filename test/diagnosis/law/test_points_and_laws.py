@@ -8,7 +8,7 @@ import yaml
 
 from doormill_ros.diagnosis.pose.diagnosis import diagnose_poses
 from doormill_ros.diagnosis.pose.laws import with_laws
-from doormill_ros.measurements.pose_set import read_pose_set
+from doormill_ros.measurements.sets.pose_set import read_pose_set
 from doormill_ros.tools.diagnose import main
 from support.pose_laws.world import draw
 

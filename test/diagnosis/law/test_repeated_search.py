@@ -14,7 +14,7 @@ from doormill_ros.diagnosis.law.some_rows import SomeRows
 from doormill_ros.diagnosis.loading.law_place import place_of
 from doormill_ros.diagnosis.loading.possible_trials import chosen_of
 from doormill_ros.diagnosis.loading.problem import LoadingProblem
-from doormill_ros.measurements.measurement_set import read_measurement_set
+from doormill_ros.measurements.sets.measurement_set import read_measurement_set
 from doormill_ros.robot_model.elastic.causes.registry import build_cause
 from doormill_ros.robot_model.elastic.law.dictionary import dictionary
 from support.law_worlds.law import Effect, Law

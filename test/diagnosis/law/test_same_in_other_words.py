@@ -12,7 +12,7 @@ from doormill_ros.diagnosis.law.search import LawSearch
 from doormill_ros.diagnosis.motion.diagnosis import diagnose_motions
 from doormill_ros.diagnosis.motion.needless import not_the_same, size_gone
 from doormill_ros.diagnosis.motion.remainder import remainder
-from doormill_ros.measurements.motion_set import read_motion_set
+from doormill_ros.measurements.sets.motion_set import read_motion_set
 from doormill_ros.robot_model.motion.law.dictionary import dictionary
 from support.motion_world import Recording, record
 

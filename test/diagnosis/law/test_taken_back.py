@@ -12,7 +12,7 @@ from doormill_ros.diagnosis.pose.fitting.model import rmse
 from doormill_ros.diagnosis.pose.kind import Poses
 from doormill_ros.diagnosis.pose.laws import NEEDLESS, with_laws
 from doormill_ros.diagnosis.pose.telling.certainty import certainty_section
-from doormill_ros.measurements.pose_set import read_pose_set
+from doormill_ros.measurements.sets.pose_set import read_pose_set
 from doormill_ros.robot_model.pose.chain import residual
 from doormill_ros.robot_model.pose.model import load_pose_model
 from support.pose_laws.laws import Law

@@ -4,7 +4,7 @@ import pytest
 
 from doormill_ros.diagnosis.loading.kind import LoadingTests
 from doormill_ros.diagnosis.loading.problem import FEWEST
-from doormill_ros.measurements.measurement_set import read_measurement_set
+from doormill_ros.measurements.sets.measurement_set import read_measurement_set
 from support.source_tree import ROOT
 
 EXAMPLE = ROOT / "docs" / "diagnosis_example"

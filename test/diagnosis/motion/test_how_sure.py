@@ -7,7 +7,7 @@ from doormill_ros.diagnosis.core.telling.document import cause_entry
 from doormill_ros.diagnosis.motion.account import named_causes
 from doormill_ros.diagnosis.motion.diagnosis import diagnose_motions
 from doormill_ros.diagnosis.motion.laws import with_laws
-from doormill_ros.measurements.motion_set import read_motion_set
+from doormill_ros.measurements.sets.motion_set import read_motion_set
 from support.motion_world import Recording, record
 from support.source_tree import ROOT
 

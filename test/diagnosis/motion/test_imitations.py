@@ -6,7 +6,7 @@ import pytest
 from doormill_ros.diagnosis.motion.account import law_sections, named_causes
 from doormill_ros.diagnosis.motion.diagnosis import diagnose_motions
 from doormill_ros.diagnosis.motion.laws import with_laws
-from doormill_ros.measurements.motion_set import read_motion_set
+from doormill_ros.measurements.sets.motion_set import read_motion_set
 from support.motion_world import DAMPING_RATIO, INERTIA, RATIO, ROTOR, STIFFNESS, Recording, record
 
 #: Encoders and drives of which little is noise.

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from doormill_ros.measurements.motion_set import read_motion_set
+from doormill_ros.measurements.sets.motion_set import read_motion_set
 from doormill_ros.robot_model.motion.model import load_motion_model
 from doormill_ros.tools.diagnose import main
 from support.source_tree import ROOT

@@ -6,7 +6,7 @@ import pytest
 from doormill_ros.diagnosis.motion.account import named_causes
 from doormill_ros.diagnosis.motion.diagnosis import diagnose_motions
 from doormill_ros.diagnosis.motion.patterns import unnamed_patterns
-from doormill_ros.measurements.motion_set import read_motion_set
+from doormill_ros.measurements.sets.motion_set import read_motion_set
 from doormill_ros.robot_model.motion.view import JointMotion
 from support.motion_world import STIFFNESS, Recording, record
 

@@ -9,7 +9,7 @@ from doormill_ros.diagnosis.motion.account import check_set, named_causes
 from doormill_ros.diagnosis.motion.diagnosis import diagnose_motions
 from doormill_ros.diagnosis.motion.noise import no_slips
 from doormill_ros.diagnosis.motion.skew import common_skew
-from doormill_ros.measurements.motion_set import read_motion_set
+from doormill_ros.measurements.sets.motion_set import read_motion_set
 from support.motion_world import Recording, record
 from support.source_tree import ROOT
 

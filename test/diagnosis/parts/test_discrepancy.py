@@ -7,7 +7,7 @@ import pytest
 
 from doormill_ros.diagnosis.parts.fitting.discrepancy import ArmDiscrepancy, ForceDiscrepancy, WallDiscrepancy
 from doormill_ros.diagnosis.parts.kind import Inspections
-from doormill_ros.measurements.inspection import inspections_in
+from doormill_ros.measurements.inspections.inspection import inspections_in
 from support.gauged_shift import HINGE_DOORS, gauged_shift
 from support.shift_worlds import Hidden, inspected, judged
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.diagnosis.parts.kind import Inspections
 from doormill_ros.robot.description import load_robot
 from support.random_shift import random_doors, random_shift

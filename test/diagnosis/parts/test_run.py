@@ -6,14 +6,14 @@ import shutil
 import numpy as np
 import pytest
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.diagnosis.parts.doors.recorded_cut import recorded_cut
 from doormill_ros.frames import apply, inverse
-from doormill_ros.measurements.inspection import COLUMNS, read_inspection
+from doormill_ros.measurements.inspections.inspection import COLUMNS, read_inspection
 from doormill_ros.recording.replay.run_reader import read_runs
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot_model.extended_model import load_compliance_model
-from doormill_ros.simulation.controller.executed_path import ExecutedPath
+from doormill_ros.simulation.controller.records.executed_path import ExecutedPath
 from doormill_ros.simulation.judge.milled_part import inspect
 from doormill_ros.simulation.truth.robot import TruthRobot
 from doormill_ros.tools.diagnose import main

@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.diagnosis.core.kind import Progress
 from doormill_ros.diagnosis.parts.doors.matching import cut_case
 from doormill_ros.diagnosis.parts.effects.registry import PLACES_OF_LINKS

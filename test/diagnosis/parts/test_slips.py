@@ -10,7 +10,7 @@ from doormill_ros.diagnosis.parts.doors.recorded_cut import recorded_cut
 from doormill_ros.diagnosis.parts.fitting.slips import slips, slips_beside
 from doormill_ros.diagnosis.parts.kind import Inspections, inspected_door
 from doormill_ros.errors import DataSetError
-from doormill_ros.measurements.inspection import inspections_in
+from doormill_ros.measurements.inspections.inspection import inspections_in
 from support.gauged_shift import HINGE_DOORS, gauged_shift
 
 KIND = Inspections()

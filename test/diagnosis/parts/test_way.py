@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.diagnosis.parts.doors.way import FINER, Moving, way_through
 from doormill_ros.robot.description import load_robot
 

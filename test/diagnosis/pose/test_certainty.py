@@ -7,7 +7,7 @@ import pytest
 
 from doormill_ros.diagnosis.pose.diagnosis import diagnose_poses
 from doormill_ros.diagnosis.pose.telling.certainty import certainties, certainty_section
-from doormill_ros.measurements.pose_set import read_pose_set
+from doormill_ros.measurements.sets.pose_set import read_pose_set
 
 CASE = {"geometry": [(2, "a", 4e-4), (3, "alpha", 5e-4)], "sag": [(2, 2e-5)], "periodic": [(1, 2, 3e-4, 0.3)]}
 

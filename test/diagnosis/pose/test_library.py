@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from doormill_ros.measurements.pose_set import read_pose_set
+from doormill_ros.measurements.sets.pose_set import read_pose_set
 from doormill_ros.robot_model.pose.causes import registry
 from doormill_ros.robot_model.pose.causes.cause import Coefficient, PoseCause
 from doormill_ros.robot_model.pose.causes.hints import Hints, places_of_joints

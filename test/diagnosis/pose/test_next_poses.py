@@ -5,7 +5,7 @@ import pytest
 
 from doormill_ros.diagnosis.pose.diagnosis import diagnose_poses
 from doormill_ros.diagnosis.pose.telling.next_poses import effect_on_pose, plan_next, possible_poses, propose
-from doormill_ros.measurements.pose_set import read_pose_set
+from doormill_ros.measurements.sets.pose_set import read_pose_set
 
 
 @pytest.fixture(scope="module")

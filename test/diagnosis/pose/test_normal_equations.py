@@ -8,7 +8,7 @@ from doormill_ros.diagnosis.pose.fitting.fit import Fitted, contiguous, fit_caus
 from doormill_ros.diagnosis.pose.fitting.model import distinct_share
 from doormill_ros.diagnosis.pose.fitting.problem import PoseProblem
 from doormill_ros.diagnosis.pose.fitting.validation import Validation
-from doormill_ros.measurements.pose_set import read_pose_set
+from doormill_ros.measurements.sets.pose_set import read_pose_set
 from doormill_ros.robot_model.pose.causes.joint_periodic_error import JointPeriodicError
 from doormill_ros.robot_model.pose.causes.joint_sag import JointSag
 from doormill_ros.robot_model.pose.causes.joint_wobble import JointWobble

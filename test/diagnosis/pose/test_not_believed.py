@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from doormill_ros.diagnosis.pose.fitting.fit import contiguous, fit_causes, place_nominally
 from doormill_ros.diagnosis.pose.fitting.validation import Validation
 from doormill_ros.diagnosis.pose.searching.selection import CONTRADICTED, REAL, scores
-from doormill_ros.measurements.pose_set import read_pose_set
+from doormill_ros.measurements.sets.pose_set import read_pose_set
 from doormill_ros.robot_model.pose.causes.joint_backlash import PoseBacklash
 from doormill_ros.robot_model.pose.causes.joint_periodic_error import BROAD, JointPeriodicError
 from doormill_ros.robot_model.pose.causes.joint_sag import JointSag

@@ -10,7 +10,7 @@ from doormill_ros.diagnosis.pose.diagnosis import diagnose_poses
 from doormill_ros.diagnosis.pose.fitting.fit import fit_causes, place_nominally
 from doormill_ros.diagnosis.pose.fitting.placement import Seen, place_together
 from doormill_ros.diagnosis.pose.kind import Poses
-from doormill_ros.measurements.pose_set import read_pose_set
+from doormill_ros.measurements.sets.pose_set import read_pose_set
 from doormill_ros.robot_model.pose.causes.joint_sag import JointSag
 from doormill_ros.robot_model.pose.causes.link_geometry import LinkGeometry
 from doormill_ros.robot_model.pose.chain import frames, residual

@@ -9,7 +9,7 @@ from doormill_ros.diagnosis.core.kind import run as run_kind
 from doormill_ros.diagnosis.pose.diagnosis import PoseQuestion
 from doormill_ros.diagnosis.pose.kind import Poses
 from doormill_ros.measurements.errors import SetMixError
-from doormill_ros.measurements.pose_set import read_pose_set
+from doormill_ros.measurements.sets.pose_set import read_pose_set
 from doormill_ros.tools.diagnose import main
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from doormill_ros.diagnosis.pose.diagnosis import diagnose_poses
 from doormill_ros.diagnosis.pose.fitting.model import rmse
-from doormill_ros.measurements.pose_set import read_pose_set
+from doormill_ros.measurements.sets.pose_set import read_pose_set
 from support.source_tree import DATA
 
 NAMES = ("grid", "joint-configurations", "random-poses")

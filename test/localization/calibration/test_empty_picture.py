@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.localization.calibration.empty_picture import NOISIEST, empty_picture
 from doormill_ros.localization.calibration.errors import BadCalibrationFile, DoorInClamp, TooFewPictures
 from doormill_ros.localization.camera import load_camera

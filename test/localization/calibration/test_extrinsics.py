@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.frames import apply_twist, transform, twist_between
 from doormill_ros.localization.calibration.errors import PoorlySpread, TooFewPictures
 from doormill_ros.localization.calibration.extrinsics import Knowledge, MovedDoor, calibrate_extrinsics

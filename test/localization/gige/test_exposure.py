@@ -7,7 +7,7 @@ import functools
 import numpy as np
 import pytest
 
-from doormill_ros.cell.layout import DoorOffset, load_layout
+from doormill_ros.cell.places.layout import DoorOffset, load_layout
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.gige.device import Limits
 from doormill_ros.localization.gige.exposure import ENOUGH, ROUNDS, EdgeLight, exposed

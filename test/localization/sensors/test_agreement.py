@@ -7,7 +7,7 @@ import pytest
 from scipy.special import gammaincc
 from scipy.stats import binom
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.frames import apply_twist
 from doormill_ros.localization.sensors.agreement import CHANCE, check_agreement
 from doormill_ros.localization.sensors.errors import SensorsDisagree

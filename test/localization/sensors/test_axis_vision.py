@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.frames import apply_twist
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.sensors.axis_vision import load_axis_vision

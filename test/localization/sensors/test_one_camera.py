@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from doormill_ros.cell.layout import DoorOffset, load_layout
+from doormill_ros.cell.places.layout import DoorOffset, load_layout
 from doormill_ros.frames import apply_twist
 from doormill_ros.localization.errors import LocalizationError
 from doormill_ros.localization.sensors.errors import BadSensorFile

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import yaml
 
-from doormill_ros.cell.layout import DoorOffset, load_layout
+from doormill_ros.cell.places.layout import DoorOffset, load_layout
 from doormill_ros.localization.sensors.errors import BadReading, BadSensorFile, BeamMissed, PoseOutOfRange
 from doormill_ros.localization.sensors.photoelectric import load_photoelectric
 from doormill_ros.resources import resource

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from doormill_ros.cell.layout import DoorOffset, load_layout
+from doormill_ros.cell.places.layout import DoorOffset, load_layout
 from doormill_ros.frames import check_transform
 from doormill_ros.localization.sensors.registry import SENSORS
 from doormill_ros.localization.sensors.sensed_door import DEGREES_OF_FREEDOM

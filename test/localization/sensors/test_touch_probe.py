@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import yaml
 
-from doormill_ros.cell.layout import DoorOffset, load_layout
+from doormill_ros.cell.places.layout import DoorOffset, load_layout
 from doormill_ros.frames import apply, twist_between
 from doormill_ros.localization.sensors.errors import BadReading, BadSensorFile, Contradiction
 from doormill_ros.localization.sensors.touch_probe import load_touch_probe

@@ -21,7 +21,7 @@ from std_msgs.msg import Header
 from visualization_msgs.msg import Marker
 
 from doormill_interfaces.msg import TFMessage
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.frames import from_xyzw, rotation_x, transform
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.messages.from_message import transform_of

@@ -17,7 +17,7 @@ from rclpy.serialization import deserialize_message
 
 from doormill_interfaces.action import MillDoor
 from doormill_interfaces.msg import DoorRecipe
-from doormill_ros.cell.run import StageLimits
+from doormill_ros.cell.run.run import StageLimits
 from doormill_ros.localization.errors import CameraInfoMissing, StalePicture
 from doormill_ros.nodes import door_shares
 from doormill_ros.nodes.abb_bridge import AbbBridge

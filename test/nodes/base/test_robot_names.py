@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 
-from doormill_ros.cell.two_robots import in_robot
+from doormill_ros.cell.graph.two_robots import in_robot
 from doormill_ros.nodes.base.robots import ROBOTS, robot_remappings
 from support.source_tree import ROOT
 

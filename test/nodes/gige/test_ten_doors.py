@@ -11,7 +11,7 @@ import pytest
 from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
 
-from doormill_ros.cell.layout import DoorOffset, load_layout
+from doormill_ros.cell.places.layout import DoorOffset, load_layout
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.gige.errors import NoPictureInTime
 from doormill_ros.localization.gige.exposure import EdgeLight

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from doormill_ros.abb import signals
-from doormill_ros.cell.waiting import wait
+from doormill_ros.cell.run.waiting import wait
 from doormill_ros.nodes.simulated.controller_simulator import switch_on
 from support.afternoon.campaign import Tally, play
 from support.afternoon.cell import CREDENTIALS

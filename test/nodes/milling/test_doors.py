@@ -12,7 +12,7 @@ from mcap_ros2.decoder import DecoderFactory
 from rosbags.highlevel import AnyReader
 
 from doormill_ros.abb.target_file.target_file import read_target_file
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.nodes.base import topics
 from doormill_ros.recipes.documents import shipped_recipes
 from support.cell_processes import CellProcesses

@@ -9,8 +9,8 @@ import pytest
 
 from doormill_interfaces.action import MillDoor
 from doormill_ros.cell.errors import RunCutOffError
-from doormill_ros.cell.node_names import DOOR_SHARES
-from doormill_ros.cell.run_in_hand import RunNote
+from doormill_ros.cell.graph.node_names import DOOR_SHARES
+from doormill_ros.cell.run.run_in_hand import RunNote
 from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.clients.goal_client import GoalClient
 from support.cell_processes import CellProcesses

@@ -17,7 +17,7 @@ from rclpy.parameter import Parameter
 
 from doormill_interfaces.msg import DoorInspection, RunResult
 from doormill_interfaces.srv import HandInInspection
-from doormill_ros.measurements.inspection_writer import write_inspection
+from doormill_ros.measurements.inspections.inspection_writer import write_inspection
 from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.base.managed_node import ManagedNode
 from doormill_ros.nodes.model_monitor import ModelMonitor

@@ -9,7 +9,7 @@ import pytest
 from geometry_msgs.msg import PoseStamped
 from std_msgs.msg import Header
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.nodes.convert.geometry import pose_message
 from doormill_ros.nodes.convert.recipe import recipe_message
 from doormill_ros.nodes.path_generator import PathGenerator

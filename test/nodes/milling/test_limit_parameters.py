@@ -6,7 +6,7 @@ from dataclasses import fields
 
 import pytest
 
-from doormill_ros.cell.run import StageLimits
+from doormill_ros.cell.run.run import StageLimits
 from doormill_ros.nodes.abb_bridge import AbbBridge
 from doormill_ros.nodes.base.managed_node import ManagedNode
 from doormill_ros.nodes.base.node_parameter import NodeParameter

@@ -12,8 +12,8 @@ import rclpy
 
 from doormill_interfaces.action import MillDoor
 from doormill_interfaces.msg import RunVerdict
-from doormill_ros.cell.run_folder import RunFolder
-from doormill_ros.cell.summary import RunSummary
+from doormill_ros.cell.output.run_folder import RunFolder
+from doormill_ros.cell.output.summary import RunSummary
 from doormill_ros.nodes.one_process import cell as whole_cell
 from doormill_ros.nodes.one_process.cell_driver import NOT_INSPECTED, CellDriver
 from doormill_ros.report import run_report

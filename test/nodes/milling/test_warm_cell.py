@@ -12,7 +12,7 @@ import yaml
 from geometry_msgs.msg import PoseStamped
 from std_msgs.msg import Header
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.messages.from_message import transform_of
 from doormill_ros.nodes.convert.geometry import pose_message
 from doormill_ros.nodes.convert.recipe import recipe_message

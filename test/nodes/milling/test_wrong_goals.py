@@ -9,7 +9,7 @@ import pytest
 
 from doormill_interfaces.action import MillDoor
 from doormill_ros.cell.errors import NodeInactiveError, WrongGoalError
-from doormill_ros.cell.run_in_hand import NOTE
+from doormill_ros.cell.run.run_in_hand import NOTE
 from doormill_ros.nodes.abb_bridge import AbbBridge
 from doormill_ros.nodes.base.managed_node import ManagedNode
 from doormill_ros.nodes.door_shares import DoorShares

@@ -23,7 +23,7 @@ from rclpy.parameter import Parameter
 from doormill_interfaces.msg import TargetArray
 from doormill_ros.abb import signals
 from doormill_ros.abb.handshake.state import HandshakeState
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.nodes.abb_bridge import AbbBridge
 from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.bridge.attendance import ALONE

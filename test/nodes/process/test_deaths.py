@@ -14,7 +14,7 @@ import pytest
 from doormill_ros.abb.errors import TargetFileWriteError
 from doormill_ros.abb.target_file.target_file import write_target_file
 from doormill_ros.cell.errors import RunNoteError
-from doormill_ros.cell.run_in_hand import NOTE, RunNote
+from doormill_ros.cell.run.run_in_hand import NOTE, RunNote
 from support.deaths.campaign import play
 from support.deaths.leftovers import Leftovers
 from support.deaths.naming import Lives, named_after

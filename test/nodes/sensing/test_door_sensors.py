@@ -14,10 +14,10 @@ from std_msgs.msg import Header
 
 from doormill_interfaces.msg import DoorRecipe, SensorReading
 from doormill_ros.cell.errors import StageTimeoutError
-from doormill_ros.cell.layout import CAMERA
-from doormill_ros.cell.run import StageLimits
-from doormill_ros.cell.run_folder import RunFolder
-from doormill_ros.cell.summary import RunSummary
+from doormill_ros.cell.output.run_folder import RunFolder
+from doormill_ros.cell.output.summary import RunSummary
+from doormill_ros.cell.places.layout import CAMERA
+from doormill_ros.cell.run.run import StageLimits
 from doormill_ros.localization.sensors.errors import BadReading, BeamMissed, SensorsDisagree
 from doormill_ros.localization.sensors.registry import SENSORS
 from doormill_ros.nodes.base import topics

@@ -7,7 +7,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from doormill_ros.cell.layout import DoorOffset
+from doormill_ros.cell.places.layout import DoorOffset
 from doormill_ros.localization.errors import BadPicture
 from doormill_ros.nodes.base import topics
 from doormill_ros.recipes.documents import shipped_recipes

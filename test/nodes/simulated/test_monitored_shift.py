@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from doormill_ros.cell.run_folder import ShiftFolder
-from doormill_ros.measurements.inspection import inspections_in
+from doormill_ros.cell.output.run_folder import ShiftFolder
+from doormill_ros.measurements.inspections.inspection import inspections_in
 from doormill_ros.models.store import ModelStore
 from doormill_ros.monitor.runs_finding import few_runs
 from doormill_ros.tools.cell import main

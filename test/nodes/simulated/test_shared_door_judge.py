@@ -8,7 +8,7 @@ import pytest
 import rclpy
 from rclpy.serialization import deserialize_message
 
-from doormill_ros.cell.two_robots import FIRST, SECOND
+from doormill_ros.cell.graph.two_robots import FIRST, SECOND
 from doormill_ros.frames import transform
 from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.simulated.shared_door_judge import SharedDoorJudge

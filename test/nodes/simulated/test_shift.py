@@ -12,7 +12,7 @@ import pytest
 
 from doormill_ros.diagnosis.parts.doors.recorded_cut import recorded_cut
 from doormill_ros.diagnosis.parts.kind import inspected_door
-from doormill_ros.measurements.inspection import Inspection, inspections_in
+from doormill_ros.measurements.inspections.inspection import Inspection, inspections_in
 from doormill_ros.recording.replay.run_reader import read_runs
 from doormill_ros.tools.cell import main
 from doormill_ros.tools.diagnose import main as diagnose

@@ -12,7 +12,7 @@ from std_msgs.msg import String
 
 from doormill_interfaces.msg import RunResult, TargetArray
 from doormill_ros.abb.target_file.target_file import render_target_file
-from doormill_ros.cell.two_robots import SHARE_OF, in_robot, robot_of
+from doormill_ros.cell.graph.two_robots import SHARE_OF, in_robot, robot_of
 from doormill_ros.messages.from_message import recipe_of, transform_of
 from doormill_ros.nodes.convert.program import program_into
 from doormill_ros.nodes.replay.live_replay import LiveOptions, replay_live

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from doormill_ros.measurements.motion_set import read_motion_set
+from doormill_ros.measurements.sets.motion_set import read_motion_set
 from doormill_ros.robot_model.motion.quiet_torque import quiet_torque, white_noise
 from support.source_tree import ROOT
 

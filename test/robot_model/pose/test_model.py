@@ -10,7 +10,7 @@ from doormill_ros.diagnosis.core.kind import run as run_kind
 from doormill_ros.diagnosis.pose.diagnosis import diagnose_poses
 from doormill_ros.diagnosis.pose.fitting.placement import Seen, place_together
 from doormill_ros.diagnosis.pose.kind import Poses
-from doormill_ros.measurements.pose_set import read_pose_set
+from doormill_ros.measurements.sets.pose_set import read_pose_set
 from doormill_ros.robot_model.errors import PoseModelError
 from doormill_ros.robot_model.pose.chain import Placement, residual
 from doormill_ros.robot_model.pose.model import load_pose_model, model_document

@@ -12,17 +12,17 @@ import pytest
 
 from doormill_ros.robot.description import load_robot
 from doormill_ros.simulation.controller import clock as clock_module
-from doormill_ros.simulation.controller.arm import ControllerArm
-from doormill_ros.simulation.controller.curves import TcpArc, TcpLine
-from doormill_ros.simulation.controller.io_port import FolderIo
-from doormill_ros.simulation.controller.limits import ControllerLimits
+from doormill_ros.simulation.controller.cabinet.io_port import FolderIo
+from doormill_ros.simulation.controller.motions.arm import ControllerArm
+from doormill_ros.simulation.controller.motions.curves import TcpArc, TcpLine
+from doormill_ros.simulation.controller.motions.limits import ControllerLimits
 from doormill_ros.simulation.controller.moves import MotionContext
-from doormill_ros.simulation.controller.process import Process, no_wrench
 from doormill_ros.simulation.controller.rapid.errors import (
     RapidMotionError,
     RapidRuntimeError,
     RapidStoppedError,
 )
+from doormill_ros.simulation.controller.records.process import Process, no_wrench
 from support.configuration import conf_data
 from support.inverse_kinematics import inverse
 from support.waiting import LIMIT

@@ -12,7 +12,7 @@ from doormill_ros.abb.errors import AbbError
 from doormill_ros.abb.target_file.checksum import checksum
 from doormill_ros.abb.target_file.target_file import read_target_file, render_target_file
 from doormill_ros.resources import resource
-from doormill_ros.simulation.controller.installed import OWN_MODULES, read_installed
+from doormill_ros.simulation.controller.configuration.installed import OWN_MODULES, read_installed
 from doormill_ros.simulation.controller.rapid.errors import RapidStoppedError
 from support.rapid_bench import answer, reading_modules, run_of
 

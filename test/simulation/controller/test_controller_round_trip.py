@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 
 from doormill_ros.abb.target_file.target_file import read_target_file, render_target_file
 from doormill_ros.abb.target_file.trailer import ANGLE_DECIMALS
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.frames import apply_twist, inverse, quaternion_wxyz, twist_between
 from doormill_ros.robot.configuration import ConfData
-from doormill_ros.simulation.controller.process import module_process
+from doormill_ros.simulation.controller.records.process import module_process
 from doormill_ros.simulation.truth.robot import TruthRobot
 from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target
 from doormill_ros.units import RPM
@@ -57,8 +57,8 @@ def joint_angles(draw, regular: bool = False):
 @pytest.fixture(scope="module")
 def reader(tmp_path_factory, arm):
     """One controller whose ReadTargetFile is called again and again."""
+    from doormill_ros.simulation.controller.configuration.installed import read_installed
     from doormill_ros.simulation.controller.controller import VirtualController
-    from doormill_ros.simulation.controller.installed import read_installed
 
     home = tmp_path_factory.mktemp("home")
     return VirtualController(home, arm, installed=read_installed(reading_modules(home)), expected_door="*")

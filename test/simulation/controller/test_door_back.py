@@ -7,7 +7,7 @@ import pytest
 
 from doormill_ros.abb import signals
 from doormill_ros.abb.target_file.target_file import render_target_file
-from doormill_ros.cell.layout import DoorOffset, load_layout
+from doormill_ros.cell.places.layout import DoorOffset, load_layout
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.simulation.controller.rapid.errors import RapidStoppedError
 

@@ -11,8 +11,8 @@ import pytest
 from doormill_ros.abb import signals
 from doormill_ros.abb.target_file.target_file import render_target_file
 from doormill_ros.resources import resource
-from doormill_ros.simulation.controller.installed import OWN_MODULES
-from doormill_ros.simulation.controller.limits import load_limits
+from doormill_ros.simulation.controller.configuration.installed import OWN_MODULES
+from doormill_ros.simulation.controller.motions.limits import load_limits
 from doormill_ros.simulation.controller.rapid.errors import RapidMotionError
 
 DOOR = "thesis_190_0deg"

@@ -9,7 +9,7 @@ import pytest
 
 from doormill_ros.abb import signals
 from doormill_ros.abb.target_file.target_file import render_target_file
-from doormill_ros.simulation.controller.limits import load_limits
+from doormill_ros.simulation.controller.motions.limits import load_limits
 from doormill_ros.simulation.controller.operation.execution import Execution
 from doormill_ros.simulation.controller.rapid.errors import RapidStoppedError
 

@@ -6,7 +6,7 @@ from functools import partial
 
 import pytest
 
-from doormill_ros.simulation.controller.event_routines import (
+from doormill_ros.simulation.controller.configuration.event_routines import (
     check_event_routines,
     read_event_routines,
 )

@@ -13,9 +13,9 @@ from doormill_ros.abb.handshake.state import HandshakeState as State
 from doormill_ros.abb.link_errors import FileRefusedError
 from doormill_ros.abb.target_file.target_file import check_handover
 from doormill_ros.abb.transports.simulated_folder import SimulatedFolderTransport
-from doormill_ros.simulation.controller.arm import ControllerArm
+from doormill_ros.simulation.controller.cabinet.io_port import FolderIo
 from doormill_ros.simulation.controller.controller import VirtualController
-from doormill_ros.simulation.controller.io_port import FolderIo
+from doormill_ros.simulation.controller.motions.arm import ControllerArm
 from doormill_ros.simulation.controller.rapid.errors import RapidStoppedError
 from support.faults.world import make_file
 

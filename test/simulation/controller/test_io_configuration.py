@@ -6,8 +6,8 @@ from functools import partial
 
 import pytest
 
-from doormill_ros.simulation.controller.io_configuration import read_io_configuration
-from doormill_ros.simulation.controller.io_port import FolderIo, MemoryIo
+from doormill_ros.simulation.controller.cabinet.io_port import FolderIo, MemoryIo
+from doormill_ros.simulation.controller.configuration.io_configuration import read_io_configuration
 from doormill_ros.simulation.controller.rapid.errors import SignalError
 
 HEAD = "EIO:CFG_1.0:6:1::\n#\nEIO_SIGNAL:\n\n"

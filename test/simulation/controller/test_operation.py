@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from doormill_ros.simulation.controller.limits import ControllerLimits
+from doormill_ros.simulation.controller.motions.limits import ControllerLimits
 from doormill_ros.simulation.controller.operation.configuration import read_system_outputs
 from doormill_ros.simulation.controller.operation.states import (
     ControllerState,

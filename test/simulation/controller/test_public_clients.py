@@ -17,9 +17,9 @@ from abb_motion_program_exec import MotionProgram, MotionProgramExecClient, fine
 from abb_robot_client import rws as public
 from rwswrap.RWS import RWS as RWS2
 
-from doormill_ros.simulation.controller.arm import ControllerArm
-from doormill_ros.simulation.controller.cell import DOOR_CLAMPED
+from doormill_ros.simulation.controller.cabinet.cell import DOOR_CLAMPED
 from doormill_ros.simulation.controller.controller import VirtualController
+from doormill_ros.simulation.controller.motions.arm import ControllerArm
 from doormill_ros.simulation.controller.rws_server.running import served_cabinet
 from doormill_ros.simulation.controller.rws_server.server import RwsServer
 from support.waiting import LIMIT, until

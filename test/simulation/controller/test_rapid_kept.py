@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from doormill_ros.simulation.controller.installed import OWN_MODULES
+from doormill_ros.simulation.controller.configuration.installed import OWN_MODULES
 from doormill_ros.simulation.controller.rapid import syntax as s
 from doormill_ros.simulation.controller.rapid.kept import kept
 from doormill_ros.simulation.controller.rapid.parser import parse_module

@@ -21,9 +21,9 @@ from doormill_ros.abb.target_file import move as target_move
 from doormill_ros.abb.target_file import trailer as target_trailer
 from doormill_ros.cell import rapid_limits
 from doormill_ros.resources import resource
-from doormill_ros.simulation.controller.event_routines import read_event_routines
-from doormill_ros.simulation.controller.installed import OWN_MODULES
-from doormill_ros.simulation.controller.io_configuration import read_io_configuration
+from doormill_ros.simulation.controller.configuration.event_routines import read_event_routines
+from doormill_ros.simulation.controller.configuration.installed import OWN_MODULES
+from doormill_ros.simulation.controller.configuration.io_configuration import read_io_configuration
 from doormill_ros.simulation.controller.rapid import syntax as s
 from doormill_ros.simulation.controller.rapid.parser import parse_module
 from doormill_ros.simulation.controller.rapid.program import RapidProgram

@@ -7,7 +7,7 @@ import re
 import pytest
 
 from doormill_ros.resources import resource
-from doormill_ros.simulation.controller.installed import OWN_MODULES
+from doormill_ros.simulation.controller.configuration.installed import OWN_MODULES
 from doormill_ros.simulation.controller.rapid.errors import RapidStoppedError
 from doormill_ros.simulation.controller.rapid.parser import parse_module
 

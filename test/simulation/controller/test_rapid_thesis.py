@@ -7,10 +7,10 @@ import pytest
 
 from doormill_ros.abb.target_file.target_file import read_target_file, render_target_file
 from doormill_ros.frames import inverse, quaternion_wxyz
-from doormill_ros.simulation.controller.process import listed_process
 from doormill_ros.simulation.controller.rapid.errors import RapidRuntimeError, RapidSyntaxError
 from doormill_ros.simulation.controller.rapid.parser import parse_module
 from doormill_ros.simulation.controller.rapid.program import RapidProgram
+from doormill_ros.simulation.controller.records.process import listed_process
 from doormill_ros.toolpath.program import MillingProgram
 from support.thesis_listings import Repair, load_listings
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from doormill_ros.abb import signals
-from doormill_ros.simulation.controller.io_port import FolderIo
+from doormill_ros.simulation.controller.cabinet.io_port import FolderIo
 from doormill_ros.simulation.controller.recorded_controller import (
     RecordedController,
     RecordedEvent,

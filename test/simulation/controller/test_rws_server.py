@@ -21,8 +21,8 @@ from websockets.sync.client import connect
 
 from doormill_ros.abb import signals
 from doormill_ros.abb.link_errors import UnknownTransportError
-from doormill_ros.simulation.controller.io_configuration import ACCESS_LEVELS
-from doormill_ros.simulation.controller.io_port import MemoryIo
+from doormill_ros.simulation.controller.cabinet.io_port import MemoryIo
+from doormill_ros.simulation.controller.configuration.io_configuration import ACCESS_LEVELS
 from doormill_ros.simulation.controller.rws_server.app import Behaviour
 from doormill_ros.simulation.controller.rws_server.cabinet import (
     Cabinet,

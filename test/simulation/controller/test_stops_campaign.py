@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from doormill_ros.resources import resource
-from doormill_ros.simulation.controller.installed import OWN_MODULES
+from doormill_ros.simulation.controller.configuration.installed import OWN_MODULES
 from support.stops_campaign import DEEP, Incident, Run, draw
 
 #: Pulled straight out along the tool's axis.

@@ -9,8 +9,8 @@ from doormill_ros.abb import signals
 from doormill_ros.abb.target_file.checksum import checksum
 from doormill_ros.abb.target_file.target_file import read_target_file, render_target_file
 from doormill_ros.pipeline.plan import load_setup, plan
-from doormill_ros.simulation.controller.cell import DOOR_CLAMPED
-from doormill_ros.simulation.controller.process import module_process
+from doormill_ros.simulation.controller.cabinet.cell import DOOR_CLAMPED
+from doormill_ros.simulation.controller.records.process import module_process
 from doormill_ros.simulation.judge.bodies import load_cell
 from doormill_ros.simulation.judge.judge import judge
 from doormill_ros.simulation.judge.milled_part import inspect

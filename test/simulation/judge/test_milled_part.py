@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis.strategies import floats
 from scipy.spatial.transform import Rotation
 
-from doormill_ros.cell.layout import DoorOffset, load_layout
+from doormill_ros.cell.places.layout import DoorOffset, load_layout
 from doormill_ros.frames import transform
 from doormill_ros.recipes.documents import load_recipe
-from doormill_ros.simulation.controller.executed_path import ExecutedPath
+from doormill_ros.simulation.controller.records.executed_path import ExecutedPath
 from doormill_ros.simulation.judge.milled_part import inspect
 
 RADIUS, WIDTH, LENGTH, DEPTH = 0.0095, 0.030, 0.120, 0.005  # hinge of the thesis doors

@@ -9,7 +9,7 @@ from doormill_ros.abb.target_file.target_file import render_target_file
 from doormill_ros.frames import inverse, transform
 from doormill_ros.pipeline.plan import load_setup, plan
 from doormill_ros.recipes.documents import load_recipe
-from doormill_ros.simulation.controller.executed_path import ExecutedPath
+from doormill_ros.simulation.controller.records.executed_path import ExecutedPath
 from doormill_ros.simulation.judge.bodies import load_cell
 from doormill_ros.simulation.judge.pair import Milled, judge_pair, standing, waiting, waits
 from support.file_run import HOME, run_file

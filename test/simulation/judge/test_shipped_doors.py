@@ -5,7 +5,7 @@ import math
 import pytest
 
 from doormill_ros.abb.target_file.target_file import render_target_file
-from doormill_ros.cell.layout import DoorOffset
+from doormill_ros.cell.places.layout import DoorOffset
 from doormill_ros.errors import DoormillError
 from doormill_ros.pipeline.plan import load_setup, plan
 from doormill_ros.recipes.documents import shipped_recipes

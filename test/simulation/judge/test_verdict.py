@@ -8,7 +8,7 @@ import pytest
 from std_msgs.msg import Header
 
 from doormill_interfaces.msg import DoorPlacement
-from doormill_ros.cell.summary import RunSummary
+from doormill_ros.cell.output.summary import RunSummary
 from doormill_ros.nodes.convert.executed import verdict_message
 from doormill_ros.nodes.one_process.cell_driver import _touched
 from doormill_ros.report.run_record import read_run

@@ -6,7 +6,7 @@ import itertools
 import numpy as np
 import pytest
 
-from doormill_ros.cell.layout import DoorOffset, load_layout
+from doormill_ros.cell.places.layout import DoorOffset, load_layout
 from doormill_ros.frames import transform
 from doormill_ros.simulation.judge.bodies import Box
 from doormill_ros.simulation.judge.links import BASE

@@ -7,7 +7,7 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from doormill_ros.cell.layout import DoorOffset, load_layout
+from doormill_ros.cell.places.layout import DoorOffset, load_layout
 from doormill_ros.localization.sensors.registry import SENSORS
 from doormill_ros.recipes.door import DoorSize
 from doormill_ros.simulation.sensors.registry import SIMULATED_SENSORS

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.messages.from_message import recipe_of, transform_of, wrenches_of
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.robot.description import load_robot
-from doormill_ros.simulation.controller.executed_path import ExecutedPath
+from doormill_ros.simulation.controller.records.executed_path import ExecutedPath
 from doormill_ros.simulation.world.door_truth import DoorTruth
 from doormill_ros.simulation.world.world_file import load_world
 from support.source_tree import ROOT

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.diagnosis.parts.doors.late import LAGS
 from doormill_ros.diagnosis.parts.effects.lag import ServoLag
 from doormill_ros.localization.camera import load_camera
@@ -14,7 +14,7 @@ from doormill_ros.localization.localizer import localize
 from doormill_ros.messages.from_message import program_of
 from doormill_ros.nodes.simulated.controller_simulator import switch_on
 from doormill_ros.recording.bag_reader import read_bag
-from doormill_ros.simulation.controller.limits import load_limits
+from doormill_ros.simulation.controller.motions.limits import load_limits
 from doormill_ros.simulation.picture.picture import render_picture
 from doormill_ros.simulation.picture.scene import PictureScene, SceneCamera
 from doormill_ros.simulation.world.door_truth import FORCE, TAKT

@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from doormill_ros.cell.readiness import BESIDE, NEEDED
+from doormill_ros.cell.graph.readiness import BESIDE, NEEDED
 from support.booted.machine import Machine
 from support.source_tree import ROOT
 

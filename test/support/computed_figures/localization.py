@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.lens_apart import SAME
 from support.page_figures import number_of

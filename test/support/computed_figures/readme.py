@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from support.page_figures import number_of
 
 #: Flange x of a door without thickness in table 4.4 of the thesis [m].

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.correction.cutting_force import COEFFICIENTS
 from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.recipes.program import Program

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.tools.workspace import TABLE_4_6
 from doormill_ros.workspace.doors import DoorRange, thesis_box
 from support.page_figures import number_of

@@ -18,7 +18,7 @@ from typing import BinaryIO
 
 from doormill_ros.abb import signals
 from doormill_ros.abb.handshake.state import HandshakeState as State
-from doormill_ros.simulation.controller.io_port import FolderIo
+from doormill_ros.simulation.controller.cabinet.io_port import FolderIo
 from doormill_ros.simulation.controller.rapid.errors import SignalError
 from support.faults.scenario import Scenario
 from support.faults.world import DOORS, World, digest

@@ -16,10 +16,10 @@ from collections.abc import Callable
 from doormill_ros.abb import signals
 from doormill_ros.abb.errors import AbbError
 from doormill_ros.robot.description import load_robot
-from doormill_ros.simulation.controller.arm import ControllerArm
-from doormill_ros.simulation.controller.cell import DOOR_CLAMPED
+from doormill_ros.simulation.controller.cabinet.cell import DOOR_CLAMPED
+from doormill_ros.simulation.controller.cabinet.io_port import FolderIo
 from doormill_ros.simulation.controller.controller import EXPECTED_DOOR, VirtualController
-from doormill_ros.simulation.controller.io_port import FolderIo
+from doormill_ros.simulation.controller.motions.arm import ControllerArm
 from doormill_ros.simulation.controller.operation.panel import OrderRefusedError
 from doormill_ros.simulation.controller.rapid.machine import Dialog, Move
 from support.faults.scenario import Scenario

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.abb.target_file.target_file import render_target_file
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.files import write_atomically
 from doormill_ros.frames import inverse
 from doormill_ros.robot.configuration import ConfData

@@ -19,8 +19,8 @@ from doormill_ros.files import write_atomically
 from doormill_ros.localization.calibration.errors import BadCalibrationFile
 from doormill_ros.localization.calibration.ros_file import read_ros_file, write_ros_file
 from doormill_ros.localization.camera import load_camera
-from doormill_ros.measurements.picture_set import read_picture_set
-from doormill_ros.measurements.raw_set import read_raw_set
+from doormill_ros.measurements.raw.raw_set import read_raw_set
+from doormill_ros.measurements.sets.picture_set import read_picture_set
 from doormill_ros.models.store import RECORD, ModelStore
 from doormill_ros.operator.access.token_file import load_keys
 from doormill_ros.recipes.documents import load_recipe
@@ -29,8 +29,8 @@ from doormill_ros.recipes.exchange.tool_file import read_tool_file
 from doormill_ros.recording.replay.answer import STAGES, Answer
 from doormill_ros.recording.replay.expectation import FILE, read_expectation, write_expectation
 from doormill_ros.robot_model.pose.link_masses import read_masses
-from doormill_ros.simulation.controller.event_routines import read_event_routines
-from doormill_ros.simulation.controller.limits import load_limits
+from doormill_ros.simulation.controller.configuration.event_routines import read_event_routines
+from doormill_ros.simulation.controller.motions.limits import load_limits
 from doormill_ros.simulation.controller.operation.configuration import read_system_outputs
 from doormill_ros.simulation.world.world_file import load_world
 from doormill_ros.thesis.loading_tests import load_thesis_data

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from doormill_ros.measurements.set_document import SetDocument
-from doormill_ros.measurements.trial_table import TrialTable
+from doormill_ros.measurements.documents.set_document import SetDocument
+from doormill_ros.measurements.documents.trial_table import TrialTable
 
 #: Kept for complaints about a line; lines are what a rewritten file may change.
 _TEXTS = (SetDocument, TrialTable)

@@ -16,7 +16,7 @@ from rclpy.parameter import Parameter
 from rclpy.serialization import deserialize_message, serialize_message
 
 from doormill_interfaces.msg import DoorRecipe, SensorReading
-from doormill_ros.cell.layout import CAMERA
+from doormill_ros.cell.places.layout import CAMERA
 from doormill_ros.localization.gige.library import Aravis
 from doormill_ros.localization.sensors.registry import SENSORS
 from doormill_ros.nodes.abb_bridge import AbbBridge

@@ -13,7 +13,7 @@ import yaml
 
 from doormill_ros.abb.target_file.target_file import read_target_file
 from doormill_ros.catalogue.bag_rows import read_inspection_row, read_rows
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.localization.calibration.camera_file import read_document, write_document
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.pictures.picture_file import read_picture
@@ -24,11 +24,11 @@ from doormill_ros.localization.sensors.photoelectric import load_photoelectric
 from doormill_ros.localization.sensors.readings import read_readings
 from doormill_ros.localization.sensors.touch_probe import load_touch_probe
 from doormill_ros.localization.settings import load_settings as load_localizer_settings
-from doormill_ros.measurements.inspection import read_inspection
-from doormill_ros.measurements.measurement_set import COLUMNS, read_measurement_set
-from doormill_ros.measurements.motion_set import read_motion_set
-from doormill_ros.measurements.pose_set import read_pose_set
-from doormill_ros.measurements.raw_files import read_force_log, read_tracker_file
+from doormill_ros.measurements.inspections.inspection import read_inspection
+from doormill_ros.measurements.raw.raw_files import read_force_log, read_tracker_file
+from doormill_ros.measurements.sets.measurement_set import COLUMNS, read_measurement_set
+from doormill_ros.measurements.sets.motion_set import read_motion_set
+from doormill_ros.measurements.sets.pose_set import read_pose_set
 from doormill_ros.recipes.documents import load_recipe, to_json, to_yaml
 from doormill_ros.recipes.exchange.csv_file import format_csv
 from doormill_ros.recipes.exchange.files import read_file, write_file
@@ -41,7 +41,7 @@ from doormill_ros.robot.description import load_robot
 from doormill_ros.robot_model.elastic.causes.registry import build_cause
 from doormill_ros.robot_model.extended_document import model_document
 from doormill_ros.robot_model.extended_model import SizedCause, load_compliance_model
-from doormill_ros.simulation.controller.io_configuration import read_io_configuration
+from doormill_ros.simulation.controller.configuration.io_configuration import read_io_configuration
 from doormill_ros.simulation.robot_cell import load_effects
 from doormill_ros.toolpath.settings import load_settings
 from support.hostile.cell_files import cell_files, tools_by_name

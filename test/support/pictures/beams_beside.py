@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from doormill_ros.cell.layout import CAMERA, load_layout
+from doormill_ros.cell.places.layout import CAMERA, load_layout
 from doormill_ros.localization.result import Localization
 from doormill_ros.localization.sensors.agreement import check_agreement
 from doormill_ros.localization.sensors.registry import SENSORS

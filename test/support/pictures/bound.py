@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from doormill_ros.cell.layout import DoorOffset
+from doormill_ros.cell.places.layout import DoorOffset
 from doormill_ros.simulation.picture.scene import PictureScene
 from support.pictures.expected import expected_picture
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from doormill_ros.cell.layout import CellLayout, DoorOffset, load_layout
+from doormill_ros.cell.places.layout import CellLayout, DoorOffset, load_layout
 from doormill_ros.localization.settings import LocalizerSettings, shipped_settings
 from doormill_ros.simulation.picture.scene import (
     BackEdge,

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.localization.camera import CameraModel, load_camera
 from doormill_ros.localization.empty_clamp.empty_clamp import EmptyClamp
 from doormill_ros.simulation.picture.optics import expose

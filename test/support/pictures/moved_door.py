@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from doormill_ros.cell.layout import DoorOffset
+from doormill_ros.cell.places.layout import DoorOffset
 from doormill_ros.simulation.picture.picture import render_picture
 from doormill_ros.simulation.picture.scene import PictureScene
 

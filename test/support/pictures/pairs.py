@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.simulation.picture.scene import PictureScene, SceneCamera
 from support.pictures.conditions import CONDITIONS, ConditionPicture, plain_scene
 

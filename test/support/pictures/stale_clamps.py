@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.frames import rotation_from_vector
 from doormill_ros.simulation.picture.scene import PictureScene, SceneCamera, Shadow
 from doormill_ros.units import DEG, MM

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.stats import chi2
 
-from doormill_ros.cell.layout import DoorOffset, load_layout
+from doormill_ros.cell.places.layout import DoorOffset, load_layout
 from doormill_ros.frames import apply_twist, twist_between
 from doormill_ros.localization.sensors.sensor import DoorPoseEstimate
 from doormill_ros.recipes.door import DoorSize

@@ -7,7 +7,7 @@ from types import ModuleType
 
 import numpy as np
 
-from doormill_ros.cell.layout import DoorOffset, load_layout
+from doormill_ros.cell.places.layout import DoorOffset, load_layout
 from support.views import features_about, features_face, features_light, features_taking
 from support.views.backdrops import Backdrop
 from support.views.draft import Draft

@@ -18,7 +18,7 @@ from doormill_ros.diagnosis.parts.doors.cut_points import CutPoints
 from doormill_ros.diagnosis.parts.doors.recorded_cut import RecordedCut
 from doormill_ros.diagnosis.parts.doors.way import Moving, Way, way_through
 from doormill_ros.frames import apply, inverse
-from doormill_ros.measurements.inspection import CAMERA, FEATURE, Inspection
+from doormill_ros.measurements.inspections.inspection import CAMERA, FEATURE, Inspection
 from doormill_ros.recipes.features.base import Feature
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.kinematics import Kinematics

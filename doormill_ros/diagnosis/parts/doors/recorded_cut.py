@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.layout import load_layout
-from doormill_ros.cell.topic_names import (
+from doormill_ros.cell.graph.topic_names import (
     DOOR_LOCALIZATION,
     DOOR_RECIPE,
     EXECUTED_PATH,
@@ -18,7 +17,8 @@ from doormill_ros.cell.topic_names import (
     RUN_RESULT,
     name_of,
 )
-from doormill_ros.measurements.inspection import Inspection
+from doormill_ros.cell.places.layout import load_layout
+from doormill_ros.measurements.inspections.inspection import Inspection
 from doormill_ros.messages.from_message import (
     program_of,
     recipe_of,

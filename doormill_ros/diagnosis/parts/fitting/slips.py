@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.diagnosis.core.examining.stability import clustered
 from doormill_ros.diagnosis.parts.fitting.problem import DoorDiagnosis, DoorProblem
-from doormill_ros.measurements.inspection import Inspection
+from doormill_ros.measurements.inspections.inspection import Inspection
 from doormill_ros.statistics import GROSS_SHARE, median
 from doormill_ros.units import m_to_mm
 

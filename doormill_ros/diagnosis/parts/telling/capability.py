@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.tolerance import TOLERANCE
+from doormill_ros.cell.places.tolerance import TOLERANCE
 from doormill_ros.diagnosis.parts.doors.gauged_door import GaugedDoor
 from doormill_ros.pages.page import Block, Paragraphs, Table
 from doormill_ros.units import m_to_um

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray, IntArray
-from doormill_ros.cell.tolerance import TOLERANCE
+from doormill_ros.cell.places.tolerance import TOLERANCE
 from doormill_ros.diagnosis.parts.fitting.problem import DoorDiagnosis
 from doormill_ros.diagnosis.parts.telling.capability import ORIGIN, capability_of, capability_table
 from doormill_ros.pages.charts import BLUE, GREY, RED, Curve, scatter

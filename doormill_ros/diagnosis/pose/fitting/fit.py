@@ -14,7 +14,7 @@ from doormill_ros.diagnosis.pose.fitting.linear import Linear
 from doormill_ros.diagnosis.pose.fitting.noise import left_over
 from doormill_ros.diagnosis.pose.fitting.placement import Seen, place_together
 from doormill_ros.diagnosis.pose.fitting.problem import PoseProblem
-from doormill_ros.measurements.pose_set import PoseSet, placement_owners
+from doormill_ros.measurements.sets.pose_set import PoseSet, placement_owners
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
 from doormill_ros.robot_model.pose.chain import Placement, frames, per_axis
 from doormill_ros.statistics import GROSS_SHARE

@@ -16,7 +16,7 @@ from doormill_ros.diagnosis.pose.fitting.fit import Fitted, contiguous
 from doormill_ros.diagnosis.pose.fitting.noise import left_over
 from doormill_ros.diagnosis.pose.fitting.problem import PoseProblem
 from doormill_ros.diagnosis.pose.fitting.validation import Validation
-from doormill_ros.measurements.pose_set import PoseSet
+from doormill_ros.measurements.sets.pose_set import PoseSet
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
 
 

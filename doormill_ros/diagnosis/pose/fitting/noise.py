@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.measurements.pose_set import PoseSet
+from doormill_ros.measurements.sets.pose_set import PoseSet
 from doormill_ros.statistics import median_length
 
 

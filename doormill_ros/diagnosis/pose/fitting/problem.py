@@ -14,7 +14,7 @@ import numpy as np
 from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.diagnosis.pose.fitting.linear import Linear
 from doormill_ros.diagnosis.pose.fitting.placement import rows_needed
-from doormill_ros.measurements.pose_set import PoseSet, placement_owners
+from doormill_ros.measurements.sets.pose_set import PoseSet, placement_owners
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
 from doormill_ros.robot_model.pose.chain import (
     Placement,

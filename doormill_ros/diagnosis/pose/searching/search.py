@@ -16,7 +16,7 @@ from doormill_ros.diagnosis.pose.searching.courses import find_moved
 from doormill_ros.diagnosis.pose.searching.orders import find_orders
 from doormill_ros.diagnosis.pose.searching.scale import scaled_members, spared
 from doormill_ros.diagnosis.pose.searching.selection import MATCHED, REAL, SHARE, WORTH, Score, scores
-from doormill_ros.measurements.pose_set import PoseSet
+from doormill_ros.measurements.sets.pose_set import PoseSet
 from doormill_ros.robot_model.candidate import number
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
 from doormill_ros.robot_model.pose.causes.hints import Hints, TimeCourse, places_of_joints

@@ -18,7 +18,7 @@ from doormill_ros.diagnosis.pose.fitting.validation import Validation, held_out_
 from doormill_ros.diagnosis.pose.searching.selection import SHARE, SURE, WORTH
 from doormill_ros.diagnosis.pose.stance.free_weight import FreeWeight
 from doormill_ros.diagnosis.pose.stance.likely_stance import Standing, Weights, likeliest
-from doormill_ros.measurements.pose_set import PoseSet
+from doormill_ros.measurements.sets.pose_set import PoseSet
 from doormill_ros.robot_model.law.entries import terms
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
 from doormill_ros.robot_model.pose.causes.hints import Hints, places_of_joints

@@ -18,7 +18,7 @@ from doormill_ros.diagnosis.pose.fitting.model import distinct_share, rmse
 from doormill_ros.diagnosis.pose.fitting.problem import PoseProblem
 from doormill_ros.diagnosis.pose.laws import numbers_told
 from doormill_ros.diagnosis.pose.searching.selection import NOT_CARRIED, ONE_SERIES, Score
-from doormill_ros.measurements.pose_set import PoseSet, placement_owners
+from doormill_ros.measurements.sets.pose_set import PoseSet, placement_owners
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
 
 #: Why a cause that helps on blocks left out is not one of the robot.

@@ -22,8 +22,8 @@ from typing import Protocol
 
 from doormill_ros.abb.errors import AbbError
 from doormill_ros.simulation.controller.clock import ControllerClock
-from doormill_ros.simulation.controller.limits import ControllerLimits
 from doormill_ros.simulation.controller.motion import MotionEngine
+from doormill_ros.simulation.controller.motions.limits import ControllerLimits
 from doormill_ros.simulation.controller.operation.outputs import OutputMemory
 from doormill_ros.simulation.controller.operation.panel import (
     PROGRAM_RESTARTED,

@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from doormill_ros.abb import signals
-from doormill_ros.simulation.controller.io_configuration import ACCESS_LEVELS, SignalAccess
-from doormill_ros.simulation.controller.io_port import FolderIo, IoPort
+from doormill_ros.simulation.controller.cabinet.io_port import FolderIo, IoPort
+from doormill_ros.simulation.controller.configuration.io_configuration import ACCESS_LEVELS, SignalAccess
 from doormill_ros.simulation.controller.rapid.errors import SignalError
 from doormill_ros.simulation.controller.rws_server.served import IdleController, ServedController
 

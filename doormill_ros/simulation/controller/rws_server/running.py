@@ -6,8 +6,8 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+from doormill_ros.simulation.controller.cabinet.io_port import IoPort
 from doormill_ros.simulation.controller.controller import VirtualController
-from doormill_ros.simulation.controller.io_port import IoPort
 from doormill_ros.simulation.controller.operation.panel import ControlPanel
 from doormill_ros.simulation.controller.operation.states import StopMode
 from doormill_ros.simulation.controller.rapid.errors import RapidProgramError

@@ -1,0 +1,1 @@
+"""The nodes and topics of a cell by their names, and whether they are ready."""

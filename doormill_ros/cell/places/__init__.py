@@ -1,0 +1,1 @@
+"""Where door, tools, robot and clamp stand in the cell."""

@@ -1,0 +1,1 @@
+"""How a run of one door goes, in time."""

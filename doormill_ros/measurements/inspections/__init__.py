@@ -1,0 +1,1 @@
+"""How milled doors came out."""

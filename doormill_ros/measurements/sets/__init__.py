@@ -1,0 +1,1 @@
+"""Sets as a lab hands them over, one file a kind."""

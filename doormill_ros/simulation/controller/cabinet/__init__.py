@@ -1,0 +1,1 @@
+"""What stands about the program: signals, pendant, rack."""

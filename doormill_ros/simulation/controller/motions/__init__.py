@@ -1,0 +1,1 @@
+"""The arm, its paths and how fast they are driven."""

@@ -1,0 +1,1 @@
+"""What the robot did, and runs played again."""
