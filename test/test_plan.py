@@ -105,7 +105,7 @@ def test_cycles_and_ways_are_seen() -> None:
     assert set(cycle_of(rooms_of("p", arrows))) == {"p.a", "p.b"}
     assert reach(["p.b.y"], arrows) == {"p.b.y", "p.c.z"}
     assert len(graph()) > 200
-    assert f"{NAME}.frames" in graph()[f"{NAME}.cell.layout"]
+    assert f"{NAME}.frames" in graph()[f"{NAME}.cell.places.layout"]
 
 
 def test_no_two_files_import_each_other() -> None:
