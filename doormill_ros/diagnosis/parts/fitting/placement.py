@@ -3,7 +3,8 @@
 A door measured against itself may have stood anywhere. One measured against its recorded pose stood where the localizer
 says, within the covariance that it states: part of that is common to all doors (the calibration), the rest differs
 from door to door. How large the rest is shows between neighbouring doors: of one recipe, whatever else is wrong with
-it, or of any, where nothing is wrong with one recipe more than with another.
+it, or of any, where nothing is wrong with one recipe more than with another; of few, between those on one side of a
+step.
 """
 
 from __future__ import annotations
