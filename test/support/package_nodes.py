@@ -11,7 +11,7 @@ from rclpy.node import Node
 
 import doormill_ros.nodes
 from doormill_ros.localization.gige.library import Aravis
-from doormill_ros.localization.sensors.registry import SENSORS
+from doormill_ros.localization.sensors.registry import CELL_SENSORS
 from doormill_ros.nodes.base.reporting_node import ReportingNode
 from doormill_ros.nodes.gige_camera import GigeCamera
 from doormill_ros.nodes.sensing.sensor_localizer import SensorLocalizer
@@ -36,7 +36,7 @@ def reporting_nodes() -> list[type[ReportingNode]]:
 def first_arguments(kind: type[ReportingNode]) -> dict[str, Any]:
     """What its class cannot be called without: a sensor, and a library that need not be installed."""
     arguments = {
-        SensorLocalizer: {"sensor": next(iter(SENSORS))},
+        SensorLocalizer: {"sensor": next(iter(CELL_SENSORS))},
         GigeCamera: {"aravis": Aravis(None, OSError)},
     }
     return arguments.get(kind, {})

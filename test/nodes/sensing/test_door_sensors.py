@@ -19,7 +19,7 @@ from doormill_ros.cell.output.summary import RunSummary
 from doormill_ros.cell.places.layout import CAMERA
 from doormill_ros.cell.run.run import StageLimits
 from doormill_ros.localization.sensors.errors import BadReading, BeamMissed, SensorsDisagree
-from doormill_ros.localization.sensors.registry import SENSORS
+from doormill_ros.localization.sensors.registry import CELL_SENSORS
 from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.one_process.cell import Cell, CellOptions, run_once
 from doormill_ros.recording.bag_reader import read_bag
@@ -105,11 +105,11 @@ def test_executables_beside_each_other_mill_a_door_found_by_two_sensors(tmp_path
     parameters = {
         "door_localizer": {"sensors": chosen},
         "abb_bridge": {"sensors": chosen},
-        "door_sensors": {f"{name}:sensors": chosen for name in SENSORS},
+        "door_sensors": {f"{name}:sensors": chosen for name in CELL_SENSORS},
         "cell_simulator": {f"{name}:sensors": chosen for name in ("camera_simulator", "sensor_simulator")},
     }
     with CellProcesses(tmp_path, parameters, (*NODES, "door_sensors")) as cell:
-        for name in SENSORS:
+        for name in CELL_SENSORS:
             cell.wait_until_active(name)
         told = cell.subscribe(topics.SENSOR_LOCALIZATION)
         result, stages = cell.mill(DOOR)

@@ -18,7 +18,7 @@ from rclpy.serialization import deserialize_message, serialize_message
 from doormill_interfaces.msg import DoorRecipe, SensorReading
 from doormill_ros.cell.places.layout import CAMERA
 from doormill_ros.localization.gige.library import Aravis
-from doormill_ros.localization.sensors.registry import SENSORS
+from doormill_ros.localization.sensors.registry import CELL_SENSORS
 from doormill_ros.nodes.abb_bridge import AbbBridge
 from doormill_ros.nodes.bag_recorder import BagRecorder
 from doormill_ros.nodes.base import topics
@@ -40,7 +40,7 @@ from support.package_nodes import reporting_nodes
 RUNS = 12
 #: Of nodes that think for long about each good message, or listen to all there is.
 FEWER = {SharedDoorJudge: 3, BagRecorder: 2}
-ALL_SENSORS = ",".join((CAMERA, *SENSORS))
+ALL_SENSORS = ",".join((CAMERA, *CELL_SENSORS))
 
 
 @dataclass(frozen=True)
@@ -75,10 +75,10 @@ class Listener:
 def listeners() -> list[Listener]:
     """Every node of the package, and once more where it listens to more or to others."""
     found = [Listener(kind) for kind in reporting_nodes() if kind is not SensorLocalizer]
-    found += [Listener(SensorLocalizer, {"sensors": name}, {"sensor": name}) for name in SENSORS]
+    found += [Listener(SensorLocalizer, {"sensors": name}, {"sensor": name}) for name in CELL_SENSORS]
     return [
         *found,
-        Listener(AbbBridge, {"shared": True, "sensors": f"{CAMERA},{next(iter(SENSORS))}"}),
+        Listener(AbbBridge, {"shared": True, "sensors": f"{CAMERA},{next(iter(CELL_SENSORS))}"}),
         Listener(AbbBridge, {"gauge": True}),
         Listener(DoorShares, {"gauge": True}),
         Listener(DoorLocalizer, {"image_transport": "compressed"}),
