@@ -71,9 +71,11 @@ class PlacementLimits(Section):
     def beyond(self, offset: DoorOffset, slack: Slack) -> tuple[str, ...]:
         """In which of `OFFSETS` a door stands further off than its limit and the slack of who measured it."""
         slacks = (slack.position, slack.position, slack.rotation)
-        found = ((abs(getattr(offset, name)), getattr(self, name)) for name in OFFSETS)
-        pairs = zip(OFFSETS, found, slacks, strict=True)
-        return tuple(name for name, (off, limit), more in pairs if off - limit > more)
+        return tuple(
+            name
+            for name, more in zip(OFFSETS, slacks, strict=True)
+            if abs(getattr(offset, name)) - getattr(self, name) > more
+        )
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,7 +15,7 @@ from doormill_ros.diagnosis.motion.diagnosis import ENCODERS, MotionDiagnosis
 from doormill_ros.diagnosis.motion.examination import JointFinding
 from doormill_ros.diagnosis.motion.laws import model_with_laws
 from doormill_ros.diagnosis.motion.model import JointFit, coefficients, stiffness_of
-from doormill_ros.diagnosis.motion.noise import mean_square_of, no_slips
+from doormill_ros.diagnosis.motion.noise import no_slips, size_of
 from doormill_ros.measurements.sets.motion_set import MotionSet
 from doormill_ros.robot_model.motion.causes.time_skew import TimeSkew
 from doormill_ros.robot_model.motion.model import JointModel
@@ -45,21 +45,17 @@ def check_set(diagnosis: MotionDiagnosis, other: MotionSet) -> dict[str, Any]:
         plain = JointModel(motion.joint, motion.stiffness).residual(motion, kept=kept)
         model = diagnosis.model.of(motion.joint)
         found[f"joint {motion.joint}"] = {
-            "baseline": _root_mean_square(plain),
-            "extended": _root_mean_square(model.residual(motion, kept=kept)),
-            "extended_with_offset_alone": _root_mean_square(model.residual(motion, own=False, kept=kept)),
+            "baseline": size_of(plain),
+            "extended": size_of(model.residual(motion, kept=kept)),
+            "extended_with_offset_alone": size_of(model.residual(motion, own=False, kept=kept)),
         }
         if described is not None:
             left = described.of(motion.joint).residual(motion, company=other.motions, kept=kept)
-            found[f"joint {motion.joint}"]["characterised"] = _root_mean_square(left)
+            found[f"joint {motion.joint}"]["characterised"] = size_of(left)
     entry: dict[str, Any] = {"set": other.name, "rows": len(other)}
     for name in found[f"joint {other.joints[0]}"]:
         entry[name] = {"rmse": root_mean_square([one[name] for one in found.values()])}
     return entry | {"by_joint": found}
-
-
-def _root_mean_square(errors: FloatArray) -> float:
-    return float(np.sqrt(mean_square_of(errors)))
 
 
 def named_causes(diagnosis: MotionDiagnosis) -> list[NamedCause]:

@@ -45,6 +45,11 @@ def mean_square_of(errors: FloatArray) -> float:
     return float(np.sum(errors**2)) / max(int(np.count_nonzero(errors)), 1)
 
 
+def size_of(errors: FloatArray) -> float:
+    """Root mean square of the samples that count, as of `mean_square_of` [rad]."""
+    return float(np.sqrt(mean_square_of(errors)))
+
+
 def noise_floor(
     motions: Sequence[JointMotion], noise: tuple[float | None, float | None, float | None]
 ) -> float:

@@ -12,7 +12,7 @@ import numpy as np
 from doormill_ros.arrays import BoolArray, FloatArray, IntArray
 from doormill_ros.diagnosis.core.fitting.held_out import left_out, scatter_of
 from doormill_ros.diagnosis.motion.model import JointFit, model_of, stiffness_of
-from doormill_ros.diagnosis.motion.noise import chance_of, mean_square_of, no_slips, noise_floor
+from doormill_ros.diagnosis.motion.noise import chance_of, mean_square_of, no_slips, noise_floor, size_of
 from doormill_ros.robot_model.motion.causes.cause import MotionCause
 from doormill_ros.robot_model.motion.view import JointMotion, SeenMotion
 
@@ -272,7 +272,7 @@ class JointProblem:
 
     def rmse(self, errors: FloatArray) -> float:
         """Root mean square of the samples that count, of shape (n,) [rad]."""
-        return float(np.sqrt(mean_square_of(np.where(self.kept, errors, 0.0))))
+        return size_of(np.where(self.kept, errors, 0.0))
 
     def unit(self, errors: FloatArray, shape: FloatArray) -> float:
         """Squared error that chance gives a shape, at least the noise's square.

@@ -139,9 +139,10 @@ class _Seen:
         """Whether some of its rows show more than one step."""
         return self.rim is not None or self._profile(self.read.beside.spread).odd(HINT)
 
-    def may_be_rounded(self, pixel: float) -> bool:
-        """Whether what was found of it leaves open that its arris is rounded; `pixel` is the size of one [m]."""
-        dark = self.rim is None or (self.rim.brightness < 0 and not wide_and_dark(self.rim, pixel))
+    @property
+    def may_be_rounded(self) -> bool:
+        """Whether what was found of it leaves open that its arris is rounded."""
+        dark = self.rim is None or (self.rim.brightness < 0 and not wide_and_dark(self.rim, self.view.pixel))
         return dark and not self.ragged
 
     def look(self, sharp: float | None = None) -> None:
@@ -257,7 +258,7 @@ def _look_for_arrises(view: FaceView, seen: dict[str, _Seen]) -> None:
 def _look_for_rounded(view: FaceView, seen: dict[str, _Seen]) -> None:
     """Look for rounded arrises: both edges were rounded together."""
     pixel = view.pixel
-    leaves = {edge: one for edge, one in seen.items() if one.may_be_rounded(pixel)}
+    leaves = {edge: one for edge, one in seen.items() if one.may_be_rounded}
     looks = {edge: find_rounded(one.profile(), one.rim, pixel) for edge, one in leaves.items() if one.odd}
     found = {edge: rounded for edge, rounded in looks.items() if rounded is not None}
     if found:
