@@ -123,6 +123,18 @@ def test_an_inspection_that_somebody_measured_is_not_removed(
     assert content(tmp_path) == before
 
 
+@pytest.mark.parametrize("bad", ["no table", "not UTF-8"])
+def test_an_inspection_that_cannot_be_read_is_taken_for_somebodys(tmp_path: Path, bad: str) -> None:
+    run = milled_alone(tmp_path)
+    place = tmp_path / "inspections" / "doors" / "r2"
+    write(place, inspection_yaml=GAUGED, **({} if bad == "no table" else {"points_csv": POINTS}))
+    if bad == "not UTF-8":
+        (place / "inspection.yaml").write_bytes(GAUGED.encode("utf-8") + b"# \xe9\n")
+    with pytest.raises(BadParameterError, match="holds an inspection that somebody measured"):
+        run.prepare()
+    assert (place / "inspection.yaml").is_file()
+
+
 def test_a_new_shift_leaves_nothing_of_the_one_before(tmp_path: Path) -> None:
     paths = shift_of(tmp_path, 3)
     for kept in ("door_plans", "notes"):
