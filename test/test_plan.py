@@ -17,7 +17,7 @@ from support.source_tree import PACKAGE, ROOT, SOURCES, imports_of
 NAME = PACKAGE.name
 #: What takes part in milling a real door; none of it may need the laboratory or the simulation.
 PRODUCTION = ("door_localizer", "recipe_database", "path_generator", "abb_bridge", "bag_recorder")
-#: What the world of a simulated shift judges, and everything that is made of it.
+#: What judge, truth and the world of a simulated shift judge, and everything that is made of it.
 JUDGED = (
     "toolpath",
     "correction",
@@ -129,12 +129,15 @@ def test_milling_a_door_needs_no_laboratory() -> None:
     assert {m for m in needed if m.split(".")[1] in LABORATORY} == set()
 
 
-def test_the_world_of_a_shift_shares_no_model_with_what_it_judges() -> None:
+@pytest.mark.parametrize(
+    ("room", "arm"), [("world", "truth.chain"), ("judge", "judge.links"), ("truth", "truth.chain")]
+)
+def test_who_judges_shares_no_model_with_what_is_judged(room: str, arm: str) -> None:
     """Neither itself nor through what it needs."""
-    worlds = [module for module in graph() if module.startswith(f"{NAME}.simulation.world.")]
-    assert len(worlds) >= 6
-    needed = reach(worlds, graph())
-    assert f"{NAME}.simulation.truth.chain" in needed
+    judges = [module for module in graph() if module.startswith(f"{NAME}.simulation.{room}.")]
+    assert len(judges) >= 5
+    needed = reach(judges, graph())
+    assert f"{NAME}.simulation.{arm}" in needed
     assert {module for module in needed if module.split(".")[1] in JUDGED} == set()
 
 
