@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from doormill_ros.abb.transport import Transport
@@ -21,12 +21,14 @@ class TransportOptions:
         certificate: PEM file with the controller's certificate, for https.
         insecure: Trust any certificate instead.
         answer: Longest wait for one answer [s].
+        signal_paths: Network, device and name of signals whose plain name does not do, by that name.
     """
 
     address: str
     certificate: Path | None = None
     insecure: bool = False
     answer: float = ANSWER
+    signal_paths: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

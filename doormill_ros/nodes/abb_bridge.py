@@ -19,6 +19,8 @@ from doormill_ros.abb.handshake.sharing import SharedHandshake
 from doormill_ros.abb.handshake.spindle_load import SpindleLoadMeter
 from doormill_ros.abb.handshake.state import HandshakeSnapshot, HandshakeState, HandshakeTimeouts
 from doormill_ros.abb.link_errors import MillingFaultError
+from doormill_ros.abb.signal_paths import PARAMETER as SIGNAL_PATHS
+from doormill_ros.abb.signal_paths import signal_paths
 from doormill_ros.abb.target_file.rehearsal import PROGRAM, rehearse
 from doormill_ros.abb.target_file.target_file import check_handover, render_target_file, write_target_file
 from doormill_ros.abb.transport_kind import ANSWER, TransportOptions
@@ -87,6 +89,12 @@ class AbbBridge(ManagedNode):
         ),
         NodeParameter(
             "insecure", False, f"trust any certificate of the controller, for {users_of('insecure')}"
+        ),
+        NodeParameter(
+            SIGNAL_PATHS,
+            "",
+            "NETWORK/DEVICE/NAME of signals whose plain name does not do, separated by spaces; over "
+            f"{users_of(SIGNAL_PATHS)}",
         ),
         NodeParameter(
             "manual_mode",
@@ -233,6 +241,7 @@ class AbbBridge(ManagedNode):
             Path(certificate) if certificate else None,
             self.value("insecure"),
             self.value("limit.answer"),
+            signal_paths(self.value(SIGNAL_PATHS)),
         )
 
     def _give_up(self, reason: str) -> None:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import ast
+import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -13,11 +15,16 @@ from doormill_ros.abb.credentials import PASSWORD_VARIABLE, USER_VARIABLE
 from doormill_ros.abb.handshake.handshake import Handshake
 from doormill_ros.abb.handshake.state import HandshakeState
 from doormill_ros.abb.link_errors import UnknownTransportError
+from doormill_ros.abb.signal_paths import signal_paths
 from doormill_ros.abb.transport_kind import ANSWER, TransportKind, TransportOptions
 from doormill_ros.abb.transports.registry import TRANSPORTS, addresses, open_transport, users_of
 from doormill_ros.abb.transports.rws_http import LinkTimeouts
 from doormill_ros.abb.transports.simulated_folder import SimulatedFolderTransport
+from doormill_ros.cell.errors import BadParameterError
+from doormill_ros.simulation.controller.rws_server.cabinet import Cabinet, default_signals
+from doormill_ros.simulation.controller.rws_server.server import RwsServer
 from support.memory_transport import MemoryTransport
+from support.web_services import LOGIN
 
 PACKAGE = Path(doormill_ros.__file__).parent
 FILE = b"1;2;3;1;0;0;0;0;0;0;0;\n" * 14
@@ -64,6 +71,47 @@ def test_who_says_how_long_an_answer_takes_is_waited_for_so_long(
         link = open_transport(name, TransportOptions(address, insecure=True, answer=77.0))
         assert link.in_doubt_time == 77.0
         link.close()
+
+
+@pytest.mark.parametrize(("name", "scheme"), [("rws1", "http"), ("rws2", "https")])
+def test_signals_of_a_device_are_asked_for_where_they_are(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, name: str, scheme: str
+) -> None:
+    """Over the registry, as the bridge opens it."""
+    monkeypatch.setenv(USER_VARIABLE, LOGIN.user)
+    monkeypatch.setenv(PASSWORD_VARIABLE, LOGIN.reveal())
+    cabinet = Cabinet.create(tmp_path)
+    cabinet.signals = {s.name: replace(s, network="Local", device="DRV_1") for s in default_signals()}
+    paths = signal_paths(" ".join(f"Local/DRV_1/{signal}" for signal in signals.ALL_SIGNALS))
+    with RwsServer(cabinet, int(name[-1])) as server:
+        assert server.url.startswith(f"{scheme}:")
+        for known, asked in (({}, "signals/doPathReady"), (paths, "signals/Local/DRV_1/doPathReady")):
+            server.services.requests.clear()
+            link = open_transport(name, TransportOptions(server.url, insecure=True, signal_paths=known))
+            assert link.read_ready() is False
+            link.close()
+            assert any(asked in str(request) for request in server.services.requests), (
+                server.services.requests
+            )
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("aiSpindleLoad", "has 'aiSpindleLoad', allowed is NETWORK/DEVICE/NAME"),
+        ("a//aiSpindleLoad", "allowed is NETWORK/DEVICE/NAME"),
+        ("a/b/c/aiSpindleLoad", "allowed is NETWORK/DEVICE/NAME"),
+        ("a/b/aiSpindleload", "names aiSpindleload in 'a/b/aiSpindleload', allowed is each of aiSpindleLoad"),
+        ("a/b/doPathBusy c/d/doPathBusy", "names doPathBusy twice"),
+    ],
+)
+def test_paths_of_signals_that_cannot_be_are_refused(text: str, said: str) -> None:
+    with pytest.raises(BadParameterError, match=re.escape(said)):
+        signal_paths(text)
+
+
+def test_no_paths_of_signals_are_none() -> None:
+    assert signal_paths("  ") == {}
 
 
 def test_an_answer_takes_over_the_web_services_what_it_did() -> None:

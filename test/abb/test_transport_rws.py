@@ -449,6 +449,23 @@ class TestCertificate:
         assert not server2.services.requests  # above all no password
         link.close()
 
+    @pytest.mark.parametrize("days", [-400, 400])
+    def test_the_pinned_one_is_trusted_whatever_the_clocks_say(self, tmp_path: Path, days: int) -> None:
+        """One that has expired and one that is not good yet are the controller's all the same; no other one is."""
+        ahead = days * 86400.0
+        with RwsServer(Cabinet.create(tmp_path / "home"), 2, clock_ahead=ahead) as server:
+            link = connect_rws2(server.url, LOGIN, certificate=server.certificate, timeouts=PATIENT)
+            assert link.read_ready() is False
+            until(lambda: link.events.live)
+            link.close()
+            server.services.requests.clear()
+            other, _ = write_certificate(tmp_path, ahead)
+            link = connect_rws2(server.url, LOGIN, certificate=other, timeouts=PATIENT, subscribe=False)
+            with pytest.raises(CertificateError, match="not the pinned one"):
+                link.read_ready()
+            assert not server.services.requests
+            link.close()
+
     def test_insecure_has_to_be_asked_for(self, server2: RwsServer, caplog: pytest.LogCaptureFixture) -> None:
         with pytest.raises(CertificateError):
             connect_rws2(server2.url, LOGIN)

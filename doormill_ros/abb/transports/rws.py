@@ -296,7 +296,7 @@ class RwsTransport:
         if status == 404:
             raise UnknownSignalError(
                 f"the controller has no signal {self._path(name)}; add it to the I/O configuration or "
-                "correct its network and device",
+                "tell its network and device in the bridge's parameter signal_paths",
                 signal=name,
             )
         leaf = {"read": SignalReadError, "written": SignalWriteError}.get(doing, ControllerReplyError)

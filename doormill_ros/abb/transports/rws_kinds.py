@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from doormill_ros.abb.credentials import load_credentials
+from doormill_ros.abb.signal_paths import PARAMETER
 from doormill_ros.abb.transport import Transport
 from doormill_ros.abb.transport_kind import TransportKind, TransportOptions
 
@@ -17,7 +18,9 @@ def _open_rws1(options: TransportOptions) -> Transport:
         connect_rws1,  # late: its libraries take a fifth of the bridge's start
     )
 
-    return connect_rws1(options.address, load_credentials(), timeouts=_timeouts(options))
+    return connect_rws1(
+        options.address, load_credentials(), timeouts=_timeouts(options), signal_paths=options.signal_paths
+    )
 
 
 def _open_rws2(options: TransportOptions) -> Transport:
@@ -29,6 +32,7 @@ def _open_rws2(options: TransportOptions) -> Transport:
         certificate=options.certificate,
         insecure=options.insecure,
         timeouts=_timeouts(options),
+        signal_paths=options.signal_paths,
     )
 
 
@@ -38,5 +42,5 @@ def _timeouts(options: TransportOptions) -> LinkTimeouts:
     return LinkTimeouts.within(options.answer)
 
 
-RWS1 = TransportKind(_open_rws1, address="URL", uses=("manual_mode",))
-RWS2 = TransportKind(_open_rws2, address="URL", uses=("certificate", "insecure", "manual_mode"))
+RWS1 = TransportKind(_open_rws1, address="URL", uses=("manual_mode", PARAMETER))
+RWS2 = TransportKind(_open_rws2, address="URL", uses=("certificate", "insecure", "manual_mode", PARAMETER))

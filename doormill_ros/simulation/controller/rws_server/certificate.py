@@ -12,11 +12,12 @@ from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import NameOID
 
 
-def write_certificate(folder: Path) -> tuple[Path, Path]:
+def write_certificate(folder: Path, clock_ahead: float = 0.0) -> tuple[Path, Path]:
     """Make a key and a certificate for 127.0.0.1 that is good for a day.
 
     Args:
         folder: Where both are written as PEM; made when it is missing.
+        clock_ahead: By how much the clock of who makes it is ahead of ours [s].
 
     Returns:
         Paths of certificate and key.
@@ -24,7 +25,7 @@ def write_certificate(folder: Path) -> tuple[Path, Path]:
     folder.mkdir(parents=True, exist_ok=True)
     key = ec.generate_private_key(ec.SECP256R1())
     name = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, "simulated controller")])
-    now = datetime.datetime.now(datetime.UTC)
+    now = datetime.datetime.now(datetime.UTC) + datetime.timedelta(seconds=clock_ahead)
     certificate = (
         x509.CertificateBuilder()
         .subject_name(name)

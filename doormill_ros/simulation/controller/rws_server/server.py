@@ -30,6 +30,7 @@ class RwsServer:
         ping_interval: float = 30.0,
         certificates: Path | None = None,
         robotware: int = 0,
+        clock_ahead: float = 0.0,
     ) -> None:
         """Bind the port; nothing is answered before `start`.
 
@@ -42,6 +43,7 @@ class RwsServer:
             certificates: Folder that version 2 writes controller.crt and controller.key to; None for a
                 temporary one.
             robotware: Major version of RobotWare; 0 for the one that goes with `version`.
+            clock_ahead: By how much the controller's clock is ahead, by which its certificate is dated [s].
         """
         self.version = version
         self.certificate: Path | None = None
@@ -51,7 +53,7 @@ class RwsServer:
             if certificates is None:
                 self._folder = tempfile.TemporaryDirectory(prefix="simulated-controller-")
                 certificates = Path(self._folder.name)
-            self.certificate, key = write_certificate(certificates)
+            self.certificate, key = write_certificate(certificates, clock_ahead)
         self._socket = _listener(port)
         self.port = self._socket.getsockname()[1]
         self.url = f"{'http' if version == 1 else 'https'}://127.0.0.1:{self.port}"
