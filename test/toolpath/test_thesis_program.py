@@ -1,5 +1,6 @@
 """The thesis' two-hinge door: 14 targets, Path_20, and equations 3.46 to 3.50."""
 
+import itertools
 import math
 from dataclasses import replace
 
@@ -109,6 +110,29 @@ def test_nominal_points_obey_the_thesis_equations(cell, name, yaw_deg):
             found = targets[hinge + point].T_base_tool_nominal[:3, 3]
             corner_y = 0.335 - recipe.width / 2 + y0
             assert found == pytest.approx([1.925 - 0.050 + depth, corner_y + y, -0.150 + z0 + z], abs=1e-12)
+
+
+LEFT_LINES = {("13", "11"), ("23", "21")}
+
+
+@pytest.mark.parametrize("yaw_deg", [0.0, 2.0])
+def test_forces_of_table_4_8_act_across_and_along_the_door_by_hand(cell, yaw_deg):
+    """Left line: Fx across the door, Fy up along it, Fz into the wood, which is the base's x.
+
+    The moments, measured 0.208 m behind the tip, are taken to it: Mx + d Fy, My - d Fx.
+    """
+    recipe = cell.recipe("thesis_190_0deg")
+    program = cell.program(recipe, cell.T_base_door(recipe, rotation=math.radians(yaw_deg)))
+    c, s = math.cos(math.radians(yaw_deg)), math.sin(math.radians(yaw_deg))
+    force = [12.0, -209.0 * c - 29.0 * s, -209.0 * s + 29.0 * c]
+    mx, my, mz = -5.0 + 0.208 * 29.0, -43.0 + 0.208 * 209.0, 3.0
+    moment = [mz, mx * c - my * s, mx * s + my * c]
+    names = [t.name for t in program.targets]
+    motions = itertools.pairwise(m for m in program.motions if m.kind is not MotionKind.ABSOLUTE)
+    left = [after for before, after in motions if (names[before.target], names[after.target]) in LEFT_LINES]
+    assert len(left) == 2
+    for motion in left:
+        assert motion.wrench == pytest.approx([*force, *moment], abs=1e-9)
 
 
 def test_init_stands_straight_in_front_of_the_first_point(door):
