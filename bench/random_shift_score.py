@@ -61,7 +61,7 @@ def main() -> int:
     parser.add_argument("--first", type=int, default=100, help="seed of the first shift")
     parser.add_argument("--workers", type=int, default=1, help="processes that share the shifts")
     arguments = parser.parse_args()
-    hidden = right = steps = near = wrong = 0
+    hidden = right = steps = near = wrong = listed = longest = 0
     with_gap: list[LoopWorth] = []
     others: list[LoopWorth] = []
     with multiprocessing.get_context("spawn").Pool(arguments.workers) as pool:
@@ -71,6 +71,7 @@ def main() -> int:
             begun = [one for one in drawn.hidden if one.from_door > 0]
             hidden, right = hidden + len(drawn.hidden), right + len(drawn.hidden) - len(found.missed)
             steps, wrong = steps + len(begun), wrong + len(found.wrong)
+            listed, longest = listed + len(found.listed), max(longest, found.longest)
             near += sum(one not in (*found.missed, *found.late) for one in begun)
             told = ", ".join(f"{one.cause} {one.where} from {one.from_door}" for one in drawn.hidden)
             print(
@@ -82,7 +83,8 @@ def main() -> int:
     print()
     print(
         f"{arguments.sets} shifts: {right} of {hidden} hidden causes right, {near} of {steps} of their steps "
-        f"within three doors; {wrong} wrong names"
+        f"within three doors; {wrong} wrong names; {listed} of the causes only listed as confusable with the one "
+        f"named, {longest} in the longest list"
     )
     print_loops("shifts with a gap", with_gap)
     print_loops("all other shifts", others)

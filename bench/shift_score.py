@@ -110,6 +110,7 @@ def main() -> int:
             count = by_cause.setdefault(one.cause, Counter()) if size >= OWED else weak
             count["hidden"] += 1
             count["right"] += one not in found.missed
+            count["listed"] += one in found.listed
             count["steps"] += one.from_door > 0
             count["near"] += one.from_door > 0 and one not in (*found.missed, *found.late)
         hidden = [
@@ -128,7 +129,9 @@ def main() -> int:
             break
     print()
     for cause, row in sorted(by_cause.items()):
-        print(f"{cause:28s} {row['right']} of {row['hidden']}, {row['near']} of {row['steps']} steps near")
+        print(
+            f"{cause:28s} {row['right']} of {row['hidden']}, {row['near']} of {row['steps']} steps near, {row['listed']} only listed"
+        )
     total = sum(by_cause.values(), Counter())
     print(
         f"{verdicts.total()} shifts: {total['right']} of {total['hidden']} hidden causes of {OWED:g} times the noise "

@@ -51,6 +51,8 @@ class Judged:
         missed: What was hidden and neither named nor listed as confusable with what was.
         wrong: What was named although neither it nor anything confusable with it was hidden.
         late: Steps that were found too far off.
+        listed: What was hidden and only listed as confusable with what was named.
+        longest: Causes in the longest of these lists.
     """
 
     verdict: str
@@ -58,6 +60,8 @@ class Judged:
     missed: tuple[Hidden, ...]
     wrong: tuple[tuple[str, str], ...]
     late: tuple[Hidden, ...]
+    listed: tuple[Hidden, ...]
+    longest: int
 
 
 def draw_shift(seed: int, shortest: int = 5, longest: int = 60, less: int | None = None) -> DrawnShift:
@@ -203,6 +207,8 @@ def judged(diagnosis: DoorDiagnosis, hidden: tuple[Hidden, ...]) -> Judged:
         tuple(missed),
         tuple(wrong),
         tuple(late),
+        tuple(one for one in hidden if one not in missed and (one.cause, one.where) not in said),
+        max((len(finding.confusable) for finding in diagnosis.findings), default=0),
     )
 
 
