@@ -130,7 +130,8 @@ def main() -> int:
     print()
     for cause, row in sorted(by_cause.items()):
         print(
-            f"{cause:28s} {row['right']} of {row['hidden']}, {row['near']} of {row['steps']} steps near, {row['listed']} only listed"
+            f"{cause:28s} {row['right']} of {row['hidden']}, {row['near']} of {row['steps']} steps near, "
+            f"{row['listed']} only listed as confusable"
         )
     total = sum(by_cause.values(), Counter())
     print(

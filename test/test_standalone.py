@@ -209,6 +209,25 @@ def test_no_test_is_left_out() -> None:
     }
 
 
+#: Files that are collected only where what they need is installed, and the page that says so.
+COLLECTED_WHERE = {
+    "test/deploy/launched/conftest.py": "docs/living.md",
+    "test/localization/gige/conftest.py": "docs/gige-camera.md",
+    "test/nodes/gige/conftest.py": "docs/gige-camera.md",
+}
+
+
+def test_files_that_are_not_always_collected_are_told_of() -> None:
+    leaving = {
+        relative(path)
+        for path in (ROOT / "test").rglob("*.py")
+        if path != Path(__file__).resolve() and "collect_ignore" in path.read_text(encoding="utf-8")
+    }
+    assert leaving == COLLECTED_WHERE.keys()
+    for name, page in COLLECTED_WHERE.items():
+        assert f"`{Path(name).parent}`" in (ROOT / page).read_text(encoding="utf-8"), (name, page)
+
+
 @pytest.mark.parametrize("entry", sorted(path.name for path in DATA.iterdir() if path.name != "README.md"))
 def test_data_name_their_origin_and_licence(entry: str) -> None:
     row = re.search(rf"^\| `{re.escape(entry)}[`/].*$", (DATA / "README.md").read_text("utf-8"), re.MULTILINE)
