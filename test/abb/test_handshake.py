@@ -847,6 +847,95 @@ def test_a_long_loss_of_the_link_while_ready_ends_the_run(cell: Cell) -> None:
     cell.assert_cleared()
 
 
+class TestFileTakenUnseen:
+    """The robot took the file between its last look at ready and the moment it was to be taken back."""
+
+    @staticmethod
+    def take(cell: Cell, run_id: str) -> None:
+        cell.transport.write_file(signals.ACCEPTED_FILE, f"{run_id}\n17\n".encode("ascii"))
+        cell.transport.set_signal(signals.BUSY, True)
+        cell.request(False)
+
+    @staticmethod
+    def assert_milled(cell: Cell, run_id: str) -> None:
+        assert cell.handshake.snapshot.state is State.MILLING
+        assert cell.handshake.snapshot.run_id == run_id
+        assert cell.handshake.snapshot.door_id == "door"
+        assert "taken the file before" in cell.handshake.snapshot.reason
+        assert cell.handshake.outcome(run_id).handed_over
+        assert cell.handshake.outcome(run_id).milled is None
+        cell.transport.before.clear()
+        cell.transport.set_signal(signals.DONE, True)
+        cell.transport.set_signal(signals.BUSY, False)
+        assert cell.step() is State.DONE
+        assert cell.handshake.outcome(run_id).milled is True
+
+    def lose_link(self, cell: Cell) -> None:
+        cell.transport.before["request?"] = raising(ConnectionLostError("cable"))
+        cell.step()
+        cell.clock.now += LIMITS.link_loss
+
+    def test_while_the_link_is_gone(self, cell: Cell) -> None:
+        run_id = cell.to_ready()
+        self.lose_link(cell)
+        self.take(cell, run_id)
+        cell.step()
+        self.assert_milled(cell, run_id)
+
+    def test_and_milled_while_the_link_is_gone(self, cell: Cell) -> None:
+        run_id = cell.to_ready()
+        self.lose_link(cell)
+        self.take(cell, run_id)
+        cell.transport.write_file(signals.MILLED_FILE, f"{run_id}\n".encode("ascii"))
+        cell.transport.set_signal(signals.BUSY, False)
+        cell.step()
+        assert cell.handshake.outcome(run_id).milled is True
+        assert cell.handshake.snapshot.state is not State.MILLING
+
+    @pytest.mark.parametrize("moment", ["before", "after"])
+    def test_when_it_is_given_up(self, cell: Cell, moment: str) -> None:
+        """Its request falls before the PC looks at it again, or only after it has lowered ready."""
+        run_id = cell.to_ready()
+        cell.handshake.abort("wrong door")
+        if moment == "before":
+            self.take(cell, run_id)
+            cell.step()
+        else:
+            assert cell.step() is State.FAILED
+            assert cell.handshake.outcome(run_id).error_code == RunAbortedError.code
+            self.take(cell, run_id)
+            cell.step()
+        self.assert_milled(cell, run_id)
+
+    def test_when_nothing_was_read_for_too_long(self, cell: Cell) -> None:
+        run_id = cell.to_ready()
+        cell.clock.now += LIMITS.acknowledge
+        assert cell.step() is State.FAILED
+        self.take(cell, run_id)
+        cell.step()
+        self.assert_milled(cell, run_id)
+
+    def test_is_not_thought_of_a_file_that_it_gave_back(self, cell: Cell) -> None:
+        """It is busy, but with nothing of this run."""
+        run_id = cell.to_ready()
+        cell.handshake.abort("wrong door")
+        assert cell.step() is State.FAILED
+        self.take(cell, "another")
+        assert cell.step() is State.IDLE
+        assert cell.handshake.outcome(run_id).error_code == RunAbortedError.code
+
+    def test_is_not_thought_of_once_another_file_was_handed_over(self, cell: Cell) -> None:
+        first = cell.to_ready()
+        cell.handshake.abort("wrong door")
+        assert cell.step() is State.FAILED
+        cell.submit()
+        assert cell.step() is State.READY
+        cell.handshake.abort("wrong door too")
+        assert cell.step() is State.FAILED
+        self.take(cell, first)
+        assert cell.step() is State.IDLE
+
+
 def test_a_file_refused_by_the_robot(cell: Cell) -> None:
     run_id = cell.to_ready()
     cell.transport.set_signal(signals.FAULT, True)

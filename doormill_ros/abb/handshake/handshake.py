@@ -176,12 +176,10 @@ class Handshake:
             return
         self._inbox.forget_abort()
         self._watch_at = self._clock() + self._timeouts.watch
+        if former is not None:
+            after, reason, code = State.MILLING, self._taken(former), 0
         if not high:
             self._milling.look_back(False)
-        if former is not None:
-            after, reason, code = State.MILLING, self._milling.TAKEN_UP, 0
-            run_id, self._request.mark = former
-            self._update(run_id=run_id, door_id="")
         if after is State.MILLING:
             self._milling.begin()
         # A request that could not be read for a while may have fallen and risen: a high one counts as new, and a file
@@ -247,7 +245,13 @@ class Handshake:
             self._drop_submission(
                 link_errors.RequestWithdrawnError("the request fell before the file was written")
             )
-            self._enter(State.IDLE, f"no request; before: {self._snapshot.reason}", 0)
+            former = self._milling.recall(self._runs)
+            if former is not None:
+                self._milling.begin()
+                self._enter(State.MILLING, self._taken(former), 0)
+            else:
+                self._enter(State.IDLE, f"no request; before: {self._snapshot.reason}", 0)
+            self._milling.look_back(False)
         elif (submission := self._inbox.take()) is not None:
             self._hand_over(submission)
         else:
@@ -301,6 +305,13 @@ class Handshake:
             self._runs.end_milling(self._snapshot.run_id, state is State.DONE, reason)
             self._enter(state, reason, 0)
 
+    def _taken(self, former: tuple[str, bytes]) -> str:
+        """Go on with a run that the robot took unseen; why it is milled."""
+        run_id, self._request.mark = former
+        outcome = self._runs.outcome(run_id)
+        self._update(run_id=run_id, door_id="" if outcome is None else outcome.door_id, outcome=outcome)
+        return self._milling.reason
+
     def _fail(self, error: LinkError) -> None:
         state = self._snapshot.state
         _LOG.warning("handshake, %s: %s", state.value, error.message)
@@ -316,6 +327,9 @@ class Handshake:
         reason = error.message
         if error.connection and state in (State.READY, State.ACKNOWLEDGED):
             reason += "; the controller may have taken the file: look at the robot before you repeat"
+        if state in (State.READY, State.ACKNOWLEDGED):
+            # Between its last look at ready and the fall of its request the robot takes a file that is called back.
+            self._milling.look_back(True, self._snapshot.run_id)
         self._finish(handed_over=False, code=error.code, reason=reason)
         self._drop_submission(error)
         self._begin_clearing(after, reason, error.code)

@@ -33,9 +33,11 @@ class RunLedger:
         return outcome
 
     def recall(self, run_id: str, milled: bool | None, reason: str) -> None:
-        """A run that was handed over before this process began; how far the robot is with it."""
-        if run_id:
-            self._outcomes.setdefault(run_id, RunOutcome(run_id, "", True, 0, reason, milled))
+        """A run that the robot took unseen, whatever was thought of it; how far the robot is with it."""
+        known = self._outcomes.get(run_id)
+        if run_id and (known is None or not known.handed_over):
+            door_id = "" if known is None else known.door_id
+            self._outcomes[run_id] = RunOutcome(run_id, door_id, True, 0, reason, milled)
 
     def end_milling(self, run_id: str, milled: bool, reason: str) -> None:
         """Say how the milling of a run that was handed over ended; without effect for another."""

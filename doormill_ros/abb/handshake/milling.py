@@ -20,6 +20,7 @@ class MillingWatch:
     """
 
     TAKEN_UP = "the robot is busy with a file that was handed over before this start"
+    TAKEN_UNSEEN = "the robot had taken the file before it could be taken back, and mills"
 
     def __init__(self, access: ControllerAccess, clock: Callable[[], float], limit: float) -> None:
         self._access = access
@@ -27,17 +28,23 @@ class MillingWatch:
         self._limit = limit
         self._deadline = float("inf")
         self._looks_back = False
+        self._announced = ""
 
-    def look_back(self, wanted: bool) -> None:
-        """Take up what a former process of this PC began, or nothing any more."""
-        self._looks_back = wanted
+    def look_back(self, wanted: bool, announced: str = "") -> None:
+        """Take up what the robot took unseen, or nothing any more.
+
+        Args:
+            wanted: Whether to look.
+            announced: Run that was announced and came to nothing here; empty for any, of a former process of this PC.
+        """
+        self._looks_back, self._announced = wanted, announced
 
     def begin(self) -> None:
         """The robot mills from now on."""
         self._deadline = self._clock() + self._limit
 
     def recall(self, runs: RunLedger) -> tuple[str, bytes] | None:
-        """The run that the robot mills since before this process began, and its request's mark; to be asked once.
+        """The run that the robot took unseen and mills, and its request's mark; to be asked once the request is low.
 
         The robot tells by its busy signal, which stays high after a fault until it is home, and by its notes. Of a run
         that it has milled meanwhile it tells the end. None where it mills nothing, or nobody looks back.
@@ -49,11 +56,17 @@ class MillingWatch:
             return None
         busy = self._access.optional_signal(signals.BUSY)
         accepted, mark, milled = self._access.last_runs()
-        runs.recall(milled, True, "the robot noted the end of milling while nobody looked")
-        if not busy:
+        if milled == (self._announced or milled):
+            runs.recall(milled, True, "the robot noted the end of milling while nobody looked")
+        if not busy or accepted != (self._announced or accepted):
             return None
-        runs.recall(accepted, None, self.TAKEN_UP)
+        runs.recall(accepted, None, self.reason)
         return accepted, mark
+
+    @property
+    def reason(self) -> str:
+        """Why a run is milled that was recalled."""
+        return self.TAKEN_UNSEEN if self._announced else self.TAKEN_UP
 
     def end(self, request_mark: bytes) -> tuple[HandshakeState, str] | None:
         """State and reason of the end, None while the robot mills.
