@@ -30,10 +30,12 @@ from doormill_ros.abb.link_errors import (
 from doormill_ros.abb.transports.bounded import BoundedCaller, CallTimeout
 from doormill_ros.abb.transports.rws_address import check_url
 from doormill_ros.abb.transports.rws_answer import BoundedTransport
+from doormill_ros.abb.transports.rws_pace import RequestPace
 
 _BUSY_FIRST = 0.05
 _BUSY_LAST = 1.0
 _CLOSE_LIMIT = 1.0
+_TRIES = 2  # requests that one exchange may take
 _LOGIN_PATH = "/rw/panel/opmode"  # any resource that can be read brings a session
 
 
@@ -93,6 +95,7 @@ class RwsHttp:
         self._cookies = httpx.Cookies()
         self._stream: Any = None  # what the worker's connection runs over
         self._spent: list[httpx.Client] = []
+        self._pace = RequestPace()
         self._client = self._new_client()
         self._worker = BoundedCaller("rws-http")
         self._logged_in = False
@@ -227,8 +230,11 @@ class RwsHttp:
         elif not self._logged_in:
             auth = httpx.BasicAuth(self._credentials.user, password())
         doing = f"{method} {path} at {self.url}"
+        # A digest login is asked for and then answered.
+        self._pace.wait(_TRIES)
+        sent = _TRIES
         try:
-            return self._client.request(
+            response = self._client.request(
                 method,
                 self.url + path,
                 content=content,
@@ -236,6 +242,7 @@ class RwsHttp:
                 auth=auth,
                 extensions={"trace": self._note_stream},
             )
+            sent = 1 + len(response.history)
         except httpx.HTTPError as error:
             raise map_http_error(error, doing) from None
         except (RuntimeError, OSError, ValueError) as error:
@@ -243,6 +250,9 @@ class RwsHttp:
             raise ConnectionLostError(
                 f"{doing}: the connection was given up ({type(error).__name__}); check the network"
             ) from None
+        finally:
+            self._pace.answered(sent)
+        return response
 
     def _new_client(self) -> httpx.Client:
         limits = self._timeouts
