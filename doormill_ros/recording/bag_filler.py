@@ -70,7 +70,7 @@ class BagFiller:
                     for item in received:
                         self._writer.write(item.topic, item.data, item.received_ns, item.published_ns)
                         written += 1
-                    self._writer.flush()
+                    self._writer.flush(next_in=WRITE_PERIOD)
             except OSError as error:
                 self._queue.close(failed=True)
                 with self._lock:

@@ -6,7 +6,7 @@ import os
 import secrets
 import time
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from io import BufferedWriter
 from pathlib import Path
@@ -37,6 +37,7 @@ class BagWriter:
         ros_distro: Goes into metadata.yaml.
         device: What records, under Foxglove's name for it; empty: left out.
         custom: Goes there too, as custom data.
+        clock: Monotonic [s].
 
     Raises:
         BagExistsError: The folder holds files.
@@ -49,6 +50,7 @@ class BagWriter:
         ros_distro: str = "",
         device: str = "",
         custom: Mapping[str, str] | None = None,
+        clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self.folder = Path(folder)
         if self.folder.exists() and any(self.folder.iterdir()):
@@ -64,7 +66,8 @@ class BagWriter:
         self._schemas: dict[str, Schema] = {}
         self._stream: BufferedWriter
         self._writer: Writer
-        self._flushed = time.monotonic()
+        self._clock = clock
+        self._flushed = clock()
         self._abandoned = False
         self._open_file()
 
@@ -123,11 +126,16 @@ class BagWriter:
             self._append(message.topic, message.data, stamp_ns, message.published_ns)
             self._repeated[message.topic] += 1
 
-    def flush(self, force: bool = False) -> None:
-        """Hand the open chunk to the operating system, at most every quarter of a second."""
+    def flush(self, force: bool = False, next_in: float = 0.0) -> None:
+        """Hand the open chunk to the operating system once it is due.
+
+        Args:
+            force: It is due now.
+            next_in: When this is called next [s]; due is what would be older than `FLUSH_PERIOD` by then.
+        """
         self._tell()
-        now = time.monotonic()
-        if force or now - self._flushed >= FLUSH_PERIOD:
+        now = self._clock()
+        if force or now + next_in - self._flushed >= FLUSH_PERIOD:
             self._writer.flush()
             self._flushed = now
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from doormill_ros.abb.target_file.target_file import read_target_file
+from support.faults import small_disk
 from support.faults.judge import Verdict, judge
 from support.faults.run import campaign
 from support.faults.scenario import KINDS, Scenario, draw
@@ -56,10 +58,17 @@ def test_no_wrong_file_is_milled_and_the_cell_recovers(results: dict[str, Verdic
     assert verdict.requests >= verdict.milled
 
 
-def test_the_faults_did_happen(results: dict[str, Verdict]) -> None:
-    struck = {kind for kind, verdict in results.items() if verdict.faults}
-    assert len(results) == len(SAMPLE)
-    assert len(struck) >= len(SAMPLE) // 2
+@pytest.mark.parametrize("kind", SAMPLE)
+def test_the_fault_struck(results: dict[str, Verdict], kind: str) -> None:
+    assert (results[kind].faults > 0) is (kind != "no fault")
+
+
+def test_a_disk_is_full_for_a_user_who_may_not_mount(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(small_disk, "mounted", lambda _home: nullcontext(False))
+    ((_, verdict),) = campaign([scenario_of("full disk")], workers=1)
+    assert verdict.faults
+    assert verdict.recovered
+    assert not verdict.wrong
 
 
 def test_even_a_robot_that_checks_nothing_mills_the_right_file() -> None:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import ast
 import itertools
+import logging
 import threading
-import time
+from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
@@ -60,8 +61,8 @@ class Clock:
 class Scripted(MemoryTransport):
     """Logs every operation and runs what the test hangs on an operation's name before or after it."""
 
-    def __init__(self) -> None:
-        super().__init__()
+    def __init__(self, absent: Iterable[str] = ()) -> None:
+        super().__init__(absent)
         self.log: list[str] = []
         self.before: dict[str, object] = {}
         self.after: dict[str, object] = {}
@@ -99,19 +100,27 @@ class Scripted(MemoryTransport):
         super().remove_file(name)
         self._done("remove")
 
+    def read_signal(self, name: str) -> bool:
+        self._note(f"{name}?")
+        return super().read_signal(name)
+
+    def read_number(self, name: str) -> int:
+        self._note(f"{name}?")
+        return super().read_number(name)
+
     def read_request(self) -> bool:
         self._note("request?")
         return super().read_request()
 
 
 class Cell:
-    """A handshake with what drives it."""
+    """A handshake with what drives it, on a controller that lacks the absent signals."""
 
-    def __init__(self, **options: object) -> None:
+    def __init__(self, absent: Iterable[str] = (), **options: object) -> None:
         self.clock = Clock()
-        self.transport = Scripted()
+        self.transport = Scripted(absent)
         self.states: list[State] = []
-        self.handshake = Handshake(
+        self.handshake = SharedHandshake(
             self.transport, self.clock, LIMITS, on_change=lambda s: self.states.append(s.state), **options
         )
         self.handshake.on_start()
@@ -190,7 +199,7 @@ def test_a_whole_run_in_the_order_that_keeps_the_robot_safe(cell: Cell) -> None:
         State.MILLING,
         State.DONE,
     ]
-    order = [entry for entry in cell.transport.log if entry != "request?"]
+    order = [entry for entry in cell.transport.log if not entry.endswith("?")]
     clear = ["number=0", "ready=0", "remove", "read", "remove", "read"]
     former = ["read", "read"]  # the runs that the robot accepted and milled last
     mark = ["read"]
@@ -217,6 +226,56 @@ def test_a_request_raised_before_the_start_is_answered() -> None:
     handshake.on_start()
     assert handshake.step().state is State.REQUESTED
     assert handshake.snapshot.request_number == 1
+
+
+OPTIONAL = (signals.FAULT, signals.BUSY, signals.DONE, signals.READY_NUMBER)
+
+
+class TestProgramThatLacksSignals:
+    """One older than they are; absent is low, and asked for once."""
+
+    @pytest.mark.parametrize("absent", [*((name,) for name in OPTIONAL), OPTIONAL], ids="-".join)
+    def test_is_handed_one_file_after_the_other(self, absent: tuple[str, ...]) -> None:
+        cell = Cell(absent)
+        for _ in range(2):
+            run_id = cell.to_ready()
+            assert cell.transport._files[signals.TARGET_FILE] == FILE
+            cell.clock.now += LIMITS.watch
+            assert cell.step() is State.READY
+            cell.request(False)
+            assert [cell.step() for _ in range(3)] == [State.MILLING] * 3
+            cell.assert_cleared()
+            assert cell.handshake.outcome(run_id).handed_over
+            if signals.DONE not in absent:
+                cell.transport.set_signal(signals.DONE, True)
+                assert cell.step() is State.DONE
+                cell.transport.set_signal(signals.DONE, False)
+        assert cell.handshake.snapshot.error_code == 0
+        asked = cell.transport.log
+        for name in absent:
+            told = asked.count("number=0") if name == signals.READY_NUMBER else 0
+            assert told + asked.count(f"{name}?") == 1, name
+
+    def test_that_marks_its_requests_is_told_no_number(self) -> None:
+        cell = Cell(OPTIONAL)
+        answer(cell, signals.REQUEST_FILE, "17\n")
+        run_id = cell.to_ready()
+        assert cell.transport._files[signals.ORDER_FILE] == f"{run_id}\n17\n".encode()
+        assert "number=17" not in cell.transport.log
+        answer(cell, signals.ACCEPTED_FILE, f"{run_id}\n17\n")
+        cell.request(False)
+        assert cell.step() is State.MILLING
+
+    def test_is_known_by_the_reading_where_the_writing_is_refused(self) -> None:
+        """A controller that answers the order with another code than "no such signal"."""
+        cell = Cell((signals.READY_NUMBER,))
+        cell.handshake._access._absent_signals.clear()
+        cell.transport.log.clear()
+        cell.transport.before["number=0"] = raising(SignalAccessError("refused"))
+        cell.clock.now += LIMITS.watch
+        cell.step()
+        cell.to_ready()
+        assert cell.transport.log.count(f"{signals.READY_NUMBER}?") == 1
 
 
 class TestRobotThatMillsWhenTheBridgeStarts:
@@ -997,6 +1056,39 @@ def test_closing_clears() -> None:
     cell.assert_cleared()
 
 
+@pytest.mark.parametrize("operation", ["number=0", "ready=0", f"{signals.READY_NUMBER}?", "remove", "read"])
+def test_closing_over_a_dead_link_closes_the_transport(
+    cell: Cell, operation: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    cell.to_ready()
+    cell.transport.before[operation] = raising(ConnectionLostError("cable"))
+    with caplog.at_level(logging.ERROR):
+        cell.handshake.close()
+    assert cell.transport.closed
+    assert "not cleared: cable" in caplog.text
+
+
+def test_who_gives_way_while_the_robot_mills_leaves_it_alone_and_says_that_it_may_mill(cell: Cell) -> None:
+    run_id = cell.to_ready()
+    cell.transport.set_signal(signals.BUSY, True)
+    cell.request(False)
+    assert cell.step() is State.MILLING
+    answer(cell, signals.ACCEPTED_FILE, f"{run_id}\n")
+    cell.transport.log.clear()
+    cell.handshake.rest("another bridge goes to the controller")
+    assert cell.handshake.snapshot.state is State.IDLE
+    assert cell.transport.log == []
+    outcome = cell.handshake.outcome(run_id)
+    assert (outcome.handed_over, outcome.milled) == (True, False)  # nobody here sees its end
+    assert outcome.reason.startswith("another bridge goes to the controller")
+    assert "look at the robot" in outcome.reason
+    # The other one goes: this bridge takes the run up again, and sees its end after all.
+    assert cell.handshake.on_start().state is State.MILLING
+    cell.transport.set_signal(signals.DONE, True)
+    assert cell.step() is State.DONE
+    assert cell.handshake.outcome(run_id).milled is True
+
+
 def test_times_of_the_stages_are_in_order(cell: Cell) -> None:
     cell.transport.before["write"] = lambda: setattr(cell.clock, "now", cell.clock.now + 0.5)
     cell.to_ready()
@@ -1024,22 +1116,46 @@ def test_the_loop_answers_and_stops_without_help() -> None:
     assert not transport.signal(signals.READY)
 
 
+LOOKS = 20
+
+
+class Looks(threading.Event):
+    """Counts how often a loop that is held looks whether it is released."""
+
+    def __init__(self, loop: HandshakeLoop) -> None:
+        super().__init__()
+        self.count = 0
+        if loop._released.is_set():
+            self.set()
+        loop._released = self
+
+    def wait(self, timeout: float | None = None) -> bool:
+        self.count += 1
+        return super().wait(timeout)
+
+
 def test_a_loop_that_is_held_leaves_the_file_of_another_bridge_alone() -> None:
-    transport = MemoryTransport()
+    transport = Scripted()
     transport.write_file(signals.TARGET_FILE, b"of another bridge")
     transport.set_signal(signals.READY, True)
     loop = HandshakeLoop(SharedHandshake(transport), idle_wait=0.001, held=True)
+    looks = Looks(loop)
+    transport.log.clear()
     with loop:
-        time.sleep(0.05)
+        until(lambda: looks.count > LOOKS)
     assert not loop.alive
+    assert transport.log == []
+    assert transport.closed
     assert transport.signal(signals.READY)
     assert transport._files[signals.TARGET_FILE] == b"of another bridge"
 
 
 def test_a_loop_that_is_held_in_a_run_takes_its_own_file_away_and_begins_anew_when_released() -> None:
-    transport = MemoryTransport()
+    transport = Scripted()
     handshake = SharedHandshake(transport)
-    with HandshakeLoop(handshake, idle_wait=0.001) as loop:
+    loop = HandshakeLoop(handshake, idle_wait=0.001)
+    looks = Looks(loop)
+    with loop:
         transport.set_signal(signals.REQUEST, True)
         until(lambda: handshake.snapshot.accepts_submission)
         handshake.submit("run", "door", FILE)
@@ -1050,7 +1166,10 @@ def test_a_loop_that_is_held_in_a_run_takes_its_own_file_away_and_begins_anew_wh
         assert not transport._files
         assert handshake.outcome("run").error_code != 0
         transport.write_file(signals.TARGET_FILE, b"of another bridge")
-        time.sleep(0.05)
+        transport.log.clear()
+        seen = looks.count
+        until(lambda: looks.count > seen + LOOKS)
+        assert transport.log == []
         assert transport._files
         loop.release()
         until(lambda: handshake.snapshot.accepts_submission)

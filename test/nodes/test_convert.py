@@ -16,11 +16,12 @@ from std_msgs.msg import Header
 from visualization_msgs.msg import Marker
 
 from doormill_interfaces.msg import DoorPlacement, TargetArray
+from doormill_interfaces.msg import ExecutedPath as ExecutedPathMessage
 from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.messages.from_message import program_of, transform_of
 from doormill_ros.nodes.base.nested_messages import reading
 from doormill_ros.nodes.base.topics import PATH_TARGETS
-from doormill_ros.nodes.convert.executed import executed_message, executed_of, milled_message
+from doormill_ros.nodes.convert.executed import executed_message, executed_of, milled_message, placed_at
 from doormill_ros.nodes.convert.geometry import path_message
 from doormill_ros.nodes.convert.markers import body_markers, program_markers
 from doormill_ros.nodes.convert.program import Nested, program_into
@@ -29,6 +30,7 @@ from doormill_ros.robot.bodies import Body
 from doormill_ros.robot.configuration import ConfData
 from doormill_ros.robot.description import load_robot
 from doormill_ros.simulation.controller.records.executed_path import ExecutedPath
+from doormill_ros.simulation.errors import RunMessageError
 from doormill_ros.simulation.judge.milled_part import FeatureResult, MilledPart
 from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target
 from doormill_ros.toolpath.settings import load_settings
@@ -246,6 +248,70 @@ def test_an_executed_path_comes_back_as_it_was() -> None:
         np.testing.assert_array_equal(getattr(back, name), getattr(path, name))
     for name in ("time", "T_base_tool", "T_base_tool_commanded", "q", "wrench"):
         np.testing.assert_allclose(getattr(back, name), getattr(path, name), rtol=0.0, atol=1e-12)
+
+
+def a_path(n: int = 4) -> ExecutedPathMessage:
+    rng = np.random.default_rng(8)
+    path = ExecutedPath(
+        time=np.arange(float(n)),
+        T_base_tool=np.array([pose(rng) for _ in range(n)]),
+        T_base_tool_commanded=np.array([pose(rng) for _ in range(n)]),
+        q=rng.normal(size=(n, 6)),
+        motion=np.zeros(n, dtype=int),
+        cutting=np.ones(n, dtype=bool),
+        feature=np.array(["hinge_1"] * n),
+        wrench=rng.normal(size=(n, 6)),
+    )
+    return executed_message(path, Header(), DoorPlacement(run_id="run_7", door_id="door"))
+
+
+def far(message: ExecutedPathMessage) -> None:
+    message.actual[1].position.x = 1e6
+
+
+def strong(message: ExecutedPathMessage) -> None:
+    message.wrench[2].force.z = -1e6
+
+
+@pytest.mark.parametrize(
+    ("spoil", "why"),
+    [
+        (lambda m: m.time.pop(), "T_base_tool has shape"),
+        (lambda m: m.joint_positions.pop(), "reshape"),
+        (lambda m: m.motion.pop(), "motion"),
+        (lambda m: m.time.__setitem__(2, 0.5), "time"),
+        (lambda m: m.time.__setitem__(3, float("nan")), "time"),
+        (lambda m: m.time.__setitem__(3, 1e6), "time holds numbers beyond 100000"),
+        (far, "T_base_tool holds numbers beyond 100000"),
+        (strong, "wrench holds numbers beyond 100000"),
+        (lambda m: m.joint_positions.__setitem__(0, 1e6), "q holds numbers beyond 100000"),
+    ],
+)
+def test_an_executed_path_that_cannot_be_judged_says_why_and_of_which_run(
+    spoil: Callable[[ExecutedPathMessage], object], why: str
+) -> None:
+    message = a_path()
+    executed_of(message)
+    spoil(message)
+    with pytest.raises(
+        RunMessageError, match=rf"executed path of run 'run_7' cannot be judged: .*{why}"
+    ) as caught:
+        executed_of(message)
+    assert caught.value.data["run_id"] == "run_7"
+
+
+@pytest.mark.parametrize("x", [1e6, -1e6, float("inf"), float("nan")])
+def test_a_door_that_stands_nowhere_near_a_cell_is_not_judged(x: float) -> None:
+    placement = DoorPlacement(run_id="run_7")
+    placement.pose.orientation.w = 1.0
+    placement.pose.position.x = 1.5
+    assert placed_at(placement)[0, 3] == 1.5
+    placement.pose.position.x = x
+    with pytest.raises(
+        RunMessageError, match="the door of run 'run_7' stands 100000 m or more away"
+    ) as caught:
+        placed_at(placement)
+    assert caught.value.data["run_id"] == "run_7"
 
 
 @pytest.mark.parametrize("floor", [(-3e-4, 1e-5), (-1e-5, 3e-4)])

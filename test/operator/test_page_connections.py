@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import logging
 import socket
 import time
@@ -15,7 +16,7 @@ from doormill_ros.operator.serving import prompt_protocol
 from doormill_ros.operator.serving.page_server import PageServer
 from doormill_ros.operator.serving.server import create_app
 from doormill_ros.operator.views.view_store import ViewStore
-from support.waiting import LIMIT
+from support.waiting import LIMIT, until
 
 HEAD = b"POST /order HTTP/1.1\r\nHost: localhost\r\n"
 PARTS = {
@@ -82,9 +83,13 @@ def test_a_live_stream_outlives_the_patience(monkeypatch: pytest.MonkeyPatch) ->
         httpx.stream("GET", f"{server.url}events", timeout=LIMIT) as stream,
     ):
         assert stream.status_code == 200
-        time.sleep(1.0)
-        lines = stream.iter_lines()
-        assert next(lines)
+        doors = (
+            json.loads(line[6:])["door_id"] for line in stream.iter_lines() if line.startswith("data: {")
+        )
+        assert next(doors) == ""
+        time.sleep(4.0 * prompt_protocol.PATIENCE)
+        store.update(lambda view: view.with_run("run", "oak"))
+        assert next(doors) == "oak"
 
 
 def test_many_half_open_connections_keep_nobody_from_the_page(
@@ -117,10 +122,7 @@ def test_a_socket_that_takes_nobody_is_told_once(
 
         monkeypatch.setattr(socket.socket, "accept", refused)
         with socket.create_connection(("127.0.0.1", server.port), LIMIT):
-            deadline = time.monotonic() + LIMIT
-            while refusing["left"] == 200 and time.monotonic() < deadline:
-                time.sleep(0.05)
-            time.sleep(0.2)
+            until(lambda: refusing["left"] <= 197)  # refused again and again
             refusing["left"] = 0
     told = [record for record in caplog.records if "accept" in record.getMessage()]
     assert len(told) == 1

@@ -11,9 +11,11 @@ from typing import Any
 import pytest
 
 from doormill_ros.recording.bag_filler import BagFiller
-from doormill_ros.recording.bag_writer import BagWriter
+from doormill_ros.recording.bag_reader import read_bag
+from doormill_ros.recording.bag_writer import FLUSH_PERIOD, BagWriter
 from doormill_ros.recording.bounded_queue import BoundedQueue, Received
 from doormill_ros.recording.errors import BagEndError
+from support.bag_content import text
 from support.waiting import until
 
 TOPIC, MESSAGE = "run/note", bytes(8)
@@ -28,7 +30,7 @@ class FullDisk(BagWriter):
 
     queue: BoundedQueue
 
-    def flush(self, force: bool = False) -> None:
+    def flush(self, force: bool = False, next_in: float = 0.0) -> None:
         assert self.queue.put(received(2))
         raise OSError(errno.ENOSPC, "No space left on device")
 
@@ -50,6 +52,37 @@ def test_topics_are_in_the_metadata_before_a_message_of_theirs_is_written(tmp_pa
     filler.add_topic("run/late", "std_msgs/msg/String", [])
     until(lambda: "run/late" in metadata.read_text())
     filler.stop()
+
+
+class Ticking(BoundedQueue):
+    """Waits for as long as it may, on a clock of its own, while a message comes as each wait begins."""
+
+    def __init__(self, folder: Path) -> None:
+        super().__init__(1 << 20)
+        self.now = 0.0
+        self.rows: list[int] = []
+        self._folder = folder
+
+    def take(self, timeout: float) -> list[Received]:
+        stamp = round(1e9 * self.now)
+        self.now += timeout
+        old = [s for s in self.rows if s < 1e9 * (self.now - FLUSH_PERIOD) - 1.0]
+        found = {message.stamp_ns for message in read_bag(self._folder)}
+        assert found.issuperset(old)
+        if len(self.rows) == 20:
+            self.close()
+            return []
+        self.rows.append(stamp)
+        return [Received(TOPIC, text("x"), stamp, stamp)]
+
+
+def test_what_was_received_is_in_the_file_within_a_quarter_of_a_second(tmp_path: Path) -> None:
+    queue = Ticking(tmp_path / "bag")
+    filler = BagFiller(queue, BagWriter(tmp_path / "bag", clock=lambda: queue.now))
+    filler.add_topic(TOPIC, "std_msgs/msg/String", [])
+    filler._fill()
+    assert len(queue.rows) == 20
+    assert queue.now > 4 * FLUSH_PERIOD
 
 
 @pytest.fixture

@@ -42,6 +42,18 @@ def write(folder: Path, count: int, split_size: int = 0, close: bool = True) -> 
     return writer
 
 
+def test_a_quarter_of_a_second_later_the_file_has_the_row(tmp_path: Path) -> None:
+    now = 100.0
+    writer = BagWriter(tmp_path / "bag", clock=lambda: now)
+    writer.add_topic("/text", "std_msgs/msg/String", QOS)
+    writer.flush(force=True)
+    writer.write("/text", text("0"), 1000)
+    now += 0.25
+    writer.flush()
+    assert numbers(tmp_path / "bag") == [0]
+    writer.close()
+
+
 def numbers(folder: Path) -> list[int]:
     return [int(m.message.data.split()[0]) for m in read_bag(folder, ["/text"])]
 

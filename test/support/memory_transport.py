@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import threading
 from collections import deque
+from collections.abc import Iterable
 
 from doormill_ros.abb import signals
-from doormill_ros.abb.link_errors import FileMissingError
+from doormill_ros.abb.link_errors import FileMissingError, UnknownSignalError
 from doormill_ros.abb.transport import check_file_name
 
 
@@ -15,8 +16,10 @@ class MemoryTransport:
 
     in_doubt_time = 0.0
 
-    def __init__(self) -> None:
-        """All signals low, no files."""
+    def __init__(self, absent: Iterable[str] = ()) -> None:
+        """All signals low, no files; the controller has none of the absent signals."""
+        self._absent = frozenset(absent)
+        self.closed = False
         self._mutex = threading.Lock()
         self._levels = dict.fromkeys(signals.ALL_SIGNALS, False)
         self._numbers: dict[str, int] = {}
@@ -48,6 +51,7 @@ class MemoryTransport:
 
     def read_signal(self, name: str) -> bool:
         """Any signal."""
+        self._require(name)
         return self.signal(name)
 
     def set_ready(self, value: bool) -> None:
@@ -57,11 +61,13 @@ class MemoryTransport:
 
     def read_number(self, name: str) -> int:
         """A group signal, 0 before it is written."""
+        self._require(name)
         with self._mutex:
             return self._numbers.get(name, 0)
 
     def write_number(self, name: str, value: int) -> None:
         """Write a group signal, from either side."""
+        self._require(name)
         with self._mutex:
             self._numbers[name] = value
         self._woken.set()
@@ -94,3 +100,8 @@ class MemoryTransport:
 
     def close(self) -> None:
         """Nothing to give back."""
+        self.closed = True
+
+    def _require(self, name: str) -> None:
+        if name in self._absent:
+            raise UnknownSignalError(f"the controller has no signal {name}", signal=name)

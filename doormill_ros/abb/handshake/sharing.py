@@ -19,7 +19,9 @@ class SharedHandshake(Handshake):
         if self._snapshot.state is State.READY:
             self._fail(link_errors.RunAbortedError(reason))
         if self._snapshot.state is State.MILLING:
-            self._runs.end_milling(self._snapshot.run_id, False, reason)
+            # Nobody here will see its end; a start that finds the robot busy yet takes the run up again.
+            told = f"{reason}, and the robot may be milling yet: look at the robot before you repeat"
+            self._runs.end_milling(self._snapshot.run_id, False, told)
         self._drop_submission(link_errors.RunAbortedError(reason))
         self._enter(State.IDLE, reason, 0, request=False)
 

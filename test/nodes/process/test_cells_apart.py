@@ -23,10 +23,18 @@ from rclpy.parameter import Parameter
 from doormill_interfaces.msg import TargetArray
 from doormill_ros.abb import signals
 from doormill_ros.abb.handshake.state import HandshakeState
+from doormill_ros.cell.errors import (
+    CellBusyError,
+    NodeDeadError,
+    NodeDoubledError,
+    NodeInactiveError,
+    RunCanceledError,
+)
 from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.nodes.abb_bridge import AbbBridge
 from doormill_ros.nodes.base import topics
-from doormill_ros.nodes.bridge.attendance import ALONE
+from doormill_ros.nodes.base.alive import alive_topic
+from doormill_ros.nodes.bridge.attendance import FIRST
 from doormill_ros.nodes.convert.program import program_into
 from doormill_ros.nodes.process.spinning import SteadyExecutor
 from doormill_ros.pipeline.plan import load_setup, plan
@@ -38,6 +46,8 @@ from support.waiting import LIMIT
 
 DOOR, OTHER_DOOR = "thesis_190_0deg", "thesis_1350_0deg"
 DOUBLED = 809
+#: Copy that the robot program keeps of the file of the door in hand (docs/controller-link.md).
+CUT_FILE = "Hei2.cut"
 
 
 def run_cells(tmp_path: Path, cells: dict[str, list[str]], variables: dict[str, str]) -> dict[str, int]:
@@ -85,6 +95,8 @@ def test_cells_in_namespaces_of_their_own_share_nothing_but_a_database(tmp_path:
         assert statuses[name] == 0, (folder / "log.txt").read_text()
         summary = summary_of(folder)
         assert (summary["door_id"], summary["outcome"]) == (door, "milled")
+        (file,) = files_at_controller(folder)
+        assert f"#door {door}\n" in file.read_text("ascii")
         found = {message.topic for message in read_bag(folder / "run" / "bag")}
         assert f"/{name}/run/result" in found
         assert {topic for topic in found if not topic.startswith(f"/{name}/")} <= {
@@ -96,6 +108,17 @@ def test_cells_in_namespaces_of_their_own_share_nothing_but_a_database(tmp_path:
     assert sorted(door for (door,) in runs) == sorted(doors.values())
 
 
+#: What a bridge says beside another one; which depends on who was first: doubled, dead once the other one has ended,
+#: canceled by its end, or answered by its bridge, which has the other door in hand or is not active any more.
+REFUSED = (NodeDoubledError, NodeDeadError, RunCanceledError, CellBusyError, NodeInactiveError)
+
+
+def files_at_controller(folder: Path) -> list[Path]:
+    """Target files that a cell's controller holds, and the one that it milled last."""
+    home = folder / "run" / "controller" / "HOME"
+    return [path for name in (signals.TARGET_FILE, CUT_FILE) if (path := home / name).exists()]
+
+
 def test_two_cells_without_namespaces_refuse_or_mill_the_door_that_was_asked_for(tmp_path: Path) -> None:
     """What one cell sees would be taken for another's: neither may mill the other one's door."""
     doors = {"one": DOOR, "other": OTHER_DOOR}
@@ -103,13 +126,16 @@ def test_two_cells_without_namespaces_refuse_or_mill_the_door_that_was_asked_for
     for name, door in doors.items():
         log = (tmp_path / name / "log.txt").read_text()
         summary = summary_of(tmp_path / name)
-        assert summary["door_id"] == door, log
+        files = [path.read_text("ascii") for path in files_at_controller(tmp_path / name)]
+        assert {line for text in files for line in text.splitlines() if line.startswith("#door ")} <= {
+            f"#door {door}"
+        }, log
         if statuses[name] == 0:
             assert summary["outcome"] == "milled", log
+            assert files, log
         else:
-            # By which code depends on who was first: doubled, dead once the other one has ended, canceled by its end.
             assert statuses[name] == 1, log
-            assert summary["error_code"] != 0, log
+            assert summary["error_code"] in [refusal.code for refusal in REFUSED], log
             assert summary["message"], log
         assert "Traceback" not in log
 
@@ -123,7 +149,7 @@ def first(folder: Path, parameters: dict[str, dict[str, Any]]) -> Iterator[CellP
     """A cell whose bridge has been alone long enough to be the first."""
     nodes = ("recipe_database", "door_localizer", "path_generator", "abb_bridge", "cell_simulator")
     with CellProcesses(folder / "cell", parameters, nodes) as running:
-        time.sleep(ALONE + 5.0)
+        running.wait(lambda: running.node.count_publishers(f"/{alive_topic(FIRST).name}"))
         yield running
 
 
@@ -162,7 +188,7 @@ class SecondBridge:
             assert self._process.poll() is None, self.log
             return "gives way" in self.log
 
-        self._cell.wait(said, 120.0)
+        self._cell.wait(said)
 
 
 def _diagnosed(messages: list[DiagnosticArray], name: str) -> bool:
@@ -177,7 +203,7 @@ def test_a_second_bridge_of_one_name_leaves_the_goals_to_the_first(tmp_path: Pat
     with first(tmp_path, {}) as cell, SecondBridge(cell, "/", {"address": home}) as second:
         heard = cell.subscribe(topics.DIAGNOSTICS)
         second.gives_way()
-        cell.wait(lambda: _diagnosed(heard, "abb_bridge"), 60.0)
+        cell.wait(lambda: _diagnosed(heard, "abb_bridge"))
         for door in (DOOR, OTHER_DOOR, DOOR):
             result, _ = cell.mill(door)
             assert result.success, result.message

@@ -16,6 +16,7 @@ import pytest
 
 from doormill_ros.nodes.process.mailboxes import (
     FILE,
+    HEARD_LOOKS,
     LOWEST,
     SPOKEN_LOOKS,
     THREAD,
@@ -39,8 +40,15 @@ def ports_of(process: int) -> list[str]:
 @contextmanager
 def active(folder: Path, name: str) -> Iterator[tuple[subprocess.Popen[bytes], Path]]:
     """An active node as a process of its own, and what it says."""
+    with watched(folder, name, [executable(name)]) as running:
+        yield running
+
+
+@contextmanager
+def watched(folder: Path, name: str, program: list[str]) -> Iterator[tuple[subprocess.Popen[bytes], Path]]:
+    """A program of that node, once it is active."""
     log = folder / f"{name}.txt"
-    command = [executable(name), "--ros-args", "-p", f"database_url:=sqlite:///{folder / 'r.sqlite'}"]
+    command = [*program, "--ros-args", "-p", f"database_url:=sqlite:///{folder / 'r.sqlite'}"]
     own = {"ROS_DOMAIN_ID": str(DOMAIN), "ROS_LOG_DIR": str(folder / "ros")}
     with open(log, "wb") as said:
         process = subprocess.Popen(command, stdout=said, stderr=said, env={**os.environ, **own})
@@ -92,13 +100,29 @@ def test_a_node_that_hears_nobody_ends_and_says_why(node: tuple[subprocess.Popen
     assert ports[-1] in log.read_text()
 
 
-def test_one_that_hears_ends_when_it_is_told(node: tuple[subprocess.Popen[bytes], Path]) -> None:
-    process, log = node
-    time.sleep(7.0)  # two looks
-    assert process.poll() is None
-    process.send_signal(signal.SIGINT)
-    assert process.wait(LIMIT) == 0
-    assert "hears nobody any more" not in log.read_text()
+#: The node's program, telling each look that found no loss.
+TELLING = """
+from doormill_ros.nodes import recipe_database
+from doormill_ros.nodes.process.mailboxes import Mailboxes
+
+look = Mailboxes.look
+
+def told(self):
+    why = look(self)
+    print("looked:", why or "all is well", flush=True)
+    return why
+
+Mailboxes.look = told
+raise SystemExit(recipe_database.main())
+"""
+
+
+def test_one_that_hears_ends_when_it_is_told(tmp_path: Path) -> None:
+    with watched(tmp_path, "recipe_database", [sys.executable, "-c", TELLING]) as (process, log):
+        wait_for(lambda: log.read_text().count("looked: all is well") > HEARD_LOOKS, process, log)
+        process.send_signal(signal.SIGINT)
+        assert process.wait(LIMIT) == 0
+        assert log.read_text().count("looked:") == log.read_text().count("looked: all is well")
 
 
 def test_a_node_that_one_started_again_does_not_hear_ends_and_says_why(

@@ -93,7 +93,7 @@ def subscribes(client: public.RWS, kind: str, change: Call, param: object = None
         while not any(type(event).__module__.startswith("abb_robot_client") for event in events):
             change()
             time.sleep(0.05)
-            if time.monotonic() - begin > 60:
+            if time.monotonic() - begin > LIMIT:
                 return False
         subscription.close()
         return True

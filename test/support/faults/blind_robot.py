@@ -173,4 +173,4 @@ def blind_process(world: World, scenario: Scenario, incarnation: int) -> None:
     try:
         BlindRobot(world, scenario, incarnation).run()
     except (OSError, SignalError) as error:
-        world.log("faults", what=f"the robot program stops: {error}")  # a full disk is full for it too
+        world.log("ended", what=f"robot program: {error}")  # a full disk is full for it too

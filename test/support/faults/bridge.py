@@ -24,6 +24,7 @@ from doormill_ros.abb.transport import Transport
 from doormill_ros.abb.transports.rws import connect_rws1, connect_rws2
 from doormill_ros.abb.transports.rws_http import LinkTimeouts
 from doormill_ros.abb.transports.simulated_folder import SimulatedFolderTransport
+from support.faults import small_disk
 from support.faults.scenario import Scenario
 from support.faults.world import DOORS, World, digest, make_file
 
@@ -53,6 +54,7 @@ class Meddler:
         self._scenario = scenario
         self._armed = armed
         self._count = 0
+        self._failed = False
         self._fail_until = time.monotonic() + _FAIL_TIME
         self._chance = random.Random(f"meddler/{scenario.seed}/{os.getpid()}")
         self.in_doubt_time = inner.in_doubt_time
@@ -78,8 +80,11 @@ class Meddler:
             self._tear(kind, *arguments)
             if kind.startswith("torn write"):
                 return None
-        failing = kind == "operations fail at random" and time.monotonic() < self._fail_until
-        if failing and self._chance.random() < options["probability"]:
+        if name == "write_file" and kind == "full disk":
+            return small_disk.write_on(self._world, operation, *arguments)
+        failing = time.monotonic() < self._fail_until or not self._failed
+        if kind == "operations fail at random" and failing and self._chance.random() < options["probability"]:
+            self._failed = True
             self._world.log("faults", what=f"{name} fails")
             if self._chance.random() < 0.5:
                 operation(*arguments)
@@ -146,7 +151,7 @@ class Bridge:
                 answered = now.request_number
                 self._answer(now.request_number)
             time.sleep(0.01)
-        self.world.log("faults", what=f"bridge ended: {loop.failure!r}")
+        self.world.log("ended", what=f"bridge: {loop.failure!r}")
 
     def _struck(self) -> None:
         self.world.log("faults", what=self.scenario.kind)

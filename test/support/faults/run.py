@@ -6,19 +6,19 @@ import contextlib
 import multiprocessing
 import os
 import random
-import shutil
 import signal
-import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from multiprocessing import forkserver
 from pathlib import Path
 
 from doormill_ros.simulation.controller.rws_server.cabinet import Cabinet
 from doormill_ros.simulation.controller.rws_server.server import RwsServer
+from support.faults import small_disk
 from support.faults.blind_robot import blind_process
 from support.faults.bridge import bridge_process
 from support.faults.judge import Verdict, judge
@@ -63,11 +63,12 @@ class Process:
         self._process = _context.Process(target=self._entry, args=arguments, daemon=True)
         self._process.start()
 
-    def kill(self) -> None:
-        """Kill -9; whatever it was doing stays as it is."""
+    def kill(self) -> bool:
+        """Kill -9; whatever it was doing stays as it is. False where it had ended before."""
         with contextlib.suppress(ProcessLookupError):
             os.kill(self._process.pid, signal.SIGKILL)
         self._process.join()
+        return self._process.exitcode == -signal.SIGKILL
 
     def revive(self) -> None:
         """Start it again if it died."""
@@ -83,8 +84,9 @@ def run(scenario: Scenario) -> Verdict:
     with contextlib.ExitStack() as stack:
         root = Path(stack.enter_context(_folder(scenario)))
         world = World.create(root / "run")
-        if scenario.kind == "full disk":
-            stack.enter_context(_small_disk(world.home))
+        if scenario.kind == "full disk" and not stack.enter_context(small_disk.mounted(world.home)):
+            # It is full for the bridge's process then, so that has to write the file.
+            scenario = replace(scenario, transport="folder")
         link, server, relay = {}, None, None
         if scenario.transport != "folder":
             server = stack.enter_context(
@@ -145,26 +147,28 @@ def _play(
     pending = _harness_faults(scenario, chance)
     restarts = 0
     calm_since = None
+
+    def struck() -> int:
+        return len(world.entries("faults")) + (relay.hits if relay is not None else 0)
+
     while time.monotonic() - begin < LIMIT:
         time.sleep(_LOOK)
         elapsed = time.monotonic() - begin
-        while pending and elapsed >= pending[0]:
+        while pending and elapsed >= pending[0] and _strike(scenario, world, bridge, robot, server):
+            world.log("faults", what=scenario.kind)
             pending.pop(0)
-            _strike(scenario, world, bridge, robot, server)
-        if server is not None and "restarts" in scenario.kind and restarts < len(world.entries("faults")):
-            restarts = len(world.entries("faults"))
+        if server is not None and "restarts" in scenario.kind and restarts < struck():
+            restarts = struck()
             server.expire_sessions()
             server.drop_streams()
-        if relay is not None and elapsed > _FAULT_TIME:
+        over = not pending and elapsed > _FAULT_TIME and (struck() > 0 or not scenario.strikes)
+        if relay is not None and over:
             relay.active = False
-        if "full disk" in scenario.kind:
-            _fill(world, full=elapsed < _FAULT_TIME)
+        if scenario.kind == "full disk":
+            small_disk.fill(world, full=not over)
         bridge.revive()
         robot.revive()
-        quiet = not pending and elapsed > _FAULT_TIME
-        if "kill" in scenario.kind and "state" not in scenario.kind:
-            quiet = quiet and (bridge.life > 0 or robot.life > 0 or elapsed > 6.0)
-        if quiet and calm_since is None:
+        if over and calm_since is None:
             calm_since = time.monotonic()
         if calm_since is not None and _milled_since(world, calm_since):
             break
@@ -185,7 +189,7 @@ def _await_request(world: World, bridge: Process, robot: Process) -> None:
 
 def _harness_faults(scenario: Scenario, chance: random.Random) -> list[float]:
     """Times at which the harness strikes from outside [s]."""
-    outside = ("kill -9 any time", "kill -9 of", "session", "event streams", "full disk")
+    outside = ("kill -9 any time", "kill -9 of", "session", "event streams")
     if not any(word in scenario.kind for word in outside):
         return []
     first = scenario.options["when"]
@@ -194,25 +198,30 @@ def _harness_faults(scenario: Scenario, chance: random.Random) -> list[float]:
 
 def _strike(
     scenario: Scenario, world: World, bridge: Process, robot: Process, server: RwsServer | None
-) -> None:
+) -> bool:
+    """Strike from outside; False where there was nothing to strike, so that it has to be done again."""
     kind = scenario.kind
-    world.log("faults", what=kind)
     if "of both" in kind:
-        bridge.kill()
-        robot.kill()
-    elif "robot program" in kind:
-        robot.kill()
-    elif "any time" in kind:
-        bridge.kill()
-    elif "503" in kind and server is not None:
+        return all([bridge.kill(), robot.kill()])
+    if "robot program" in kind:
+        return robot.kill()
+    if "any time" in kind:
+        return bridge.kill()
+    if "503" in kind and server is not None:
         server.services.sessions.limit = 1 if server.services.sessions.limit > 1 else 70
         server.services.sessions.end_all()
         thief = server.services.sessions.create()
         server.services.sessions.idle_expiry = 0.3 if thief else 300.0
-    elif "401" in kind and server is not None:
+        return True
+    if "401" in kind and server is not None:
+        held = bool(server.services.sessions.sessions)
         server.expire_sessions()
-    elif "streams" in kind and server is not None:
+        return held
+    if "streams" in kind and server is not None:
+        held = any(group.streams for group in [*server.services.subscriptions.groups.values()])
         server.drop_streams()
+        return held
+    return False
 
 
 def _milled_since(world: World, since: float) -> bool:
@@ -231,34 +240,3 @@ def _milled_since(world: World, since: float) -> bool:
 def _folder(scenario: Scenario) -> tempfile.TemporaryDirectory[str]:
     base = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None
     return tempfile.TemporaryDirectory(prefix="faults-", dir=base, ignore_cleanup_errors=True)
-
-
-@contextlib.contextmanager
-def _small_disk(home: Path) -> Iterator[None]:
-    """A file system of 64 kB for HOME, where the user may mount one; else HOME stays on its disk."""
-    mount = shutil.which("mount")
-    done = mount is not None and os.geteuid() == 0
-    if done:
-        options = ["-t", "tmpfs", "-o", "size=64k", "tmpfs", str(home)]
-        done = subprocess.run([mount, *options], check=False, capture_output=True).returncode == 0
-    if done:
-        (home / "io").mkdir()
-    try:
-        yield
-    finally:
-        if done:
-            subprocess.run(["umount", "-l", str(home)], check=False, capture_output=True)
-
-
-def _fill(world: World, full: bool) -> None:
-    """Leave no byte free, or give the space back."""
-    ballast = world.home / "ballast"
-    if not full:
-        ballast.unlink(missing_ok=True)
-        return
-    if not os.path.ismount(world.home):
-        return
-    with contextlib.suppress(OSError), ballast.open("ab") as file:
-        while True:
-            file.write(b"x" * 512)
-            file.flush()

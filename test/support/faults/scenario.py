@@ -81,6 +81,11 @@ class Scenario:
     sabotage: str = ""
     options: dict[str, float] = field(default_factory=dict)
 
+    @property
+    def strikes(self) -> bool:
+        """Whether anything is to go wrong; a blind robot has no controller that starts anew."""
+        return self.kind != "no fault" and not ("restarts" in self.kind and self.robot == "blind")
+
 
 def draw(seed: int, index: int) -> Scenario:
     """The run of that index: kinds take turns, the rest is chance."""

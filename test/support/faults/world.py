@@ -6,6 +6,7 @@ import fcntl
 import hashlib
 import json
 import os
+import threading
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,6 +23,8 @@ from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.inverse import inverse_branches
 from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target
 
+#: Held while a log of this process is written.
+LOGGING = threading.Lock()
 DOORS = ("door_a", "door_b")
 _LONGEST_LINE = 8192  # bytes of a log
 #: Somewhere in front of the robot, near its home position, so that the real program can go there.
@@ -83,9 +86,9 @@ class World:
         return int(number), door_id
 
     def log(self, name: str, **entry: Any) -> None:
-        """Append a line; what a killed process logged before stays."""
+        """Append a line; what a killed process logged before stays. "faults" holds what struck, and nothing else."""
         line = json.dumps({"t": time.monotonic(), **entry}) + "\n"
-        with (self.root / f"{name}.jsonl").open("a") as file:
+        with LOGGING, (self.root / f"{name}.jsonl").open("a") as file:
             fcntl.flock(file, fcntl.LOCK_EX)
             file.write(line)
 
