@@ -10,6 +10,7 @@ from collections.abc import Callable, Collection
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.core.diagnosis import FittedQuestion, told
 from doormill_ros.diagnosis.core.examining.finding import Finding
 from doormill_ros.diagnosis.core.examining.fit_examiner import STRUCTURE, FitExaminer, excess_probability
@@ -25,6 +26,7 @@ from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
 
 #: Why a name is taken back.
 NEEDLESS = "laws without a name elsewhere do as well"
+_NOTHING = 1e-6  #: share of an effect that is rounding
 
 
 class _SearchBesideLaws(BeamSearch[ElasticCause]):
@@ -124,13 +126,36 @@ def _behind(
     progress(f"{cause!r} against laws alone")
     terms, _ = law_terms(diagnosis)
     own = LawSearch(problem, extended.members, extended.theta, terms, place_of).total(told_by)
-    equal, where = {other.key for other in finding.confusable}, place_of(cause).where
-    # What acts at its place says the same in other words, and was asked before.
-    rivals = [term for term in terms if term.key not in equal and place_of(term).where != where]
+    equal, where, effect = (
+        {other.key for other in finding.confusable},
+        place_of(cause).where,
+        _effect(problem, told_by, cause),
+    )
+    # What acts at its place, or does the same in every trial, says the same in other words and was asked before.
+    rivals = [
+        term
+        for term in terms
+        if term.key not in equal
+        and place_of(term).where != where
+        and _followed(problem, term, effect) < 1.0 - _NOTHING
+    ]
     rest = [other for other in extended.members if other is not cause]
     theta = np.concatenate([np.zeros(0), *(extended.theta[extended.part(other)] for other in rest)])
     search = LawSearch(problem, rest, theta, rivals, place_of)
     return search.total(search.run()) - own
+
+
+def _effect(problem: LoadingProblem, model: Fit[ElasticCause], cause: ElasticCause) -> FloatArray:
+    """What a member changes, in standard deviations, shape (3 n,)."""
+    rest = tuple(other for other in model.members if other is not cause)
+    theta = np.concatenate([np.zeros(0), *(model.theta[model.part(other)] for other in rest)])
+    return (problem.predict(rest, theta).white - model.prediction.white).ravel()
+
+
+def _followed(problem: LoadingProblem, term: ElasticCause, effect: FloatArray) -> float:
+    """Share of an effect, shape (3 n,), that a term follows."""
+    basis, _ = np.linalg.qr(problem.slope(term, np.zeros(term.size)).reshape(len(effect), -1))
+    return float(np.sum((basis.T @ effect) ** 2) / max(float(effect @ effect), 1e-300))
 
 
 def _keys(diagnosis: LoadingDiagnosis) -> set[tuple[str, str]]:
