@@ -53,7 +53,7 @@ def test_a_spring_is_named_though_a_base_that_turns_would_predict_the_same_in_ev
     assert names(with_laws(before)) == [("joint_stiffness", "joint 1")]
 
 
-@pytest.mark.parametrize("seed", [169, 200, 936])
+@pytest.mark.parametrize("seed", [200, 936])
 def test_a_law_alone_takes_no_name_when_causes_are_asked_for_again(tmp_path, seed, monkeypatch):
     truth, before = diagnosed(tmp_path, seed)
     assert truth["named"] is None
