@@ -59,11 +59,11 @@ class Diagnosis(Judgement[C, Fit[C]], Generic[P, C]):
 
     def less(self, causes: Sequence[C], why: str) -> Diagnosis[P, C]:
         """The same without some names, for a reason, weighed anew and without laws."""
-        return _told(self.question, less(self.question, self, causes, why))
+        return told(self.question, less(self.question, self, causes, why))
 
     def saying(self, model: Fit[C]) -> Diagnosis[P, C]:
         """What is said where another model is taken for the best one."""
-        return _told(self.question, weighed(self.question, self.question.examine(model)))
+        return told(self.question, weighed(self.question, self.question.examine(model)))
 
 
 def diagnose_problem(problem: P, progress: Callable[[str], None] = lambda line: None) -> Diagnosis[P, C]:
@@ -73,10 +73,11 @@ def diagnose_problem(problem: P, progress: Callable[[str], None] = lambda line: 
         f"noise floor {problem.unit.figure(problem.noise_floor)} {problem.unit.told}"
     )
     question: FittedQuestion[P, C] = FittedQuestion(problem)
-    return _told(question, judge_question(question, progress))
+    return told(question, judge_question(question, progress))
 
 
-def _told(question: FittedQuestion[P, C], found: Judgement[C, Fit[C]]) -> Diagnosis[P, C]:
+def told(question: FittedQuestion[P, C], found: Judgement[C, Fit[C]]) -> Diagnosis[P, C]:
+    """A judgement with its causes sized."""
     problem, examination = question.problem, found.examination
     return Diagnosis(
         **vars(found),

@@ -11,35 +11,46 @@ from doormill_ros.diagnosis.core.kind import Progress
 from doormill_ros.diagnosis.core.telling.characterised import Characterised
 from doormill_ros.diagnosis.core.words.verdict import AT_NOISE
 from doormill_ros.diagnosis.law.characterise import characterise, remains
-from doormill_ros.diagnosis.law.labels import not_tried, without_labels
+from doormill_ros.diagnosis.law.labels import not_tried
 from doormill_ros.diagnosis.law.search import LawSearch
+from doormill_ros.diagnosis.loading.beside_laws import NEEDLESS, asked_beside, needless
 from doormill_ros.diagnosis.loading.law_place import place_of
+from doormill_ros.diagnosis.loading.law_terms import law_terms
 from doormill_ros.diagnosis.loading.problem import LoadingDiagnosis
 from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
-from doormill_ros.robot_model.elastic.causes.registry import candidates
-from doormill_ros.robot_model.elastic.law.dictionary import dictionary
 from doormill_ros.robot_model.extended_model import SizedCause
 
 #: Why a cause is not named that stands where a law acts.
 MEAN_PART = "a law without a name acts at the same place, and it may be the mean of that"
 
 
-def with_laws(diagnosis: LoadingDiagnosis, progress: Progress = lambda line: None) -> LoadingDiagnosis:
-    """The diagnosis with laws for what its causes leave, and without names that these take back."""
+def with_laws(
+    diagnosis: LoadingDiagnosis, progress: Progress = lambda line: None, asked: bool = False
+) -> LoadingDiagnosis:
+    """The diagnosis with laws for what its causes leave, less names that these take back, and names found beside them.
+
+    Args:
+        diagnosis: What its causes say.
+        progress: Told of every step.
+        asked: Whether its names were asked for beside laws.
+    """
     if not remains(diagnosis.verdict):
         return diagnosis
     problem, extended = diagnosis.problem, diagnosis.extended
-    reflectors = list(dict.fromkeys(problem.data.reflector.tolist()))
-    # A cause that is not believed may still be a part of a law; one with a kink has many valleys, the dictionary none.
-    known = [cause for cause in candidates(reflectors) if problem.allowed(cause) and not cause.kinked]
-    keys = {cause.key for cause in extended.members}
-    laws, labels = without_labels(dictionary(problem.case, reflectors), problem.case, problem.configuration)
-    terms = [term for term in (*known, *laws) if term.key not in keys]
+    terms, labels = law_terms(diagnosis)
     search = LawSearch(problem, extended.members, extended.theta, terms, place_of, progress)
     found, why = characterise(search, diagnosis.kept)
     if found is not None and (parts := _mean_parts(diagnosis, found)):
         progress(f"beside a law no name for {', '.join(map(repr, parts))}")
-        return with_laws(diagnosis.less(parts, MEAN_PART), progress)
+        return with_laws(diagnosis.less(parts, MEAN_PART), progress, asked)
+    if found is not None and not asked and (again := asked_beside(diagnosis, found, progress)) is not None:
+        known = {cause.key for cause in diagnosis.examination.named}
+        more = with_laws(again, progress, asked=True)
+        if back := needless(more, known, progress):
+            progress(f"laws do without {', '.join(map(repr, back))}")
+            more = with_laws(more.less(back, NEEDLESS), progress, asked=True)
+        if more.characterised is not None and known < {cause.key for cause in more.examination.named}:
+            return more
     remains_still = found is None or found.holdout_rmse >= AT_NOISE * problem.noise_floor
     remarks = [*([why] if why else []), *([not_tried(labels)] if labels and remains_still else [])]
     told = replace(diagnosis, characterised=found, remarks=(*diagnosis.remarks, *remarks))
