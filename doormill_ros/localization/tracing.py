@@ -193,7 +193,7 @@ def _trace(
         edge: EdgeLine.at_pose(edge, read.pose, read.profiles.step).moved(-borders[edge].shift * view.pixel)
         for edge, read in reads.items()
     }
-    check_again(picture, view, edges, _with_corner_within(view, reads, sighted.lines))
+    check_again(picture, view, edges, _with_corner_within(picture, view, reads, sighted.lines))
     out = {}
     for edge, read in reads.items():
         check_stretch(picture, view, read.pose, read.profiles, read.line)
@@ -208,12 +208,13 @@ def _trace(
 
 
 def _with_corner_within(
-    view: FaceView, reads: dict[str, EdgeRead], seen: dict[str, list[EdgeLine]]
+    picture: ByteArray, view: FaceView, reads: dict[str, EdgeRead], seen: dict[str, list[EdgeLine]]
 ) -> dict[str, list[EdgeLine]]:
     """The lines that the search saw, and those of a corner within the one found that it did not see."""
     edges = {edge: EdgeLine.at_pose(edge, read.pose, read.profiles.step) for edge, read in reads.items()}
     pose = reads[HINGE].pose
-    within = corner_within(view, pose, {edge: read.beside for edge, read in reads.items()}, edges)
+    around = {edge: read.beside for edge, read in reads.items()}
+    within = corner_within(picture, view, pose, around, edges)
     corner = {HINGE: float(pose[1]), BOTTOM: float(pose[0])}
     out = dict(seen)
     for edge, line in within.items():

@@ -9,6 +9,7 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.localization.errors import WrongEdge
 from doormill_ros.localization.search.edge_line import EdgeLine
+from doormill_ros.localization.search.grain import goes_on
 from doormill_ros.localization.search.shade import BESIDE, PITCH, WELL, Surfaces
 from doormill_ros.localization.search.strips import ACROSS, LEAST, EdgeStrip, read_slant, read_strip
 from doormill_ros.localization.view import HINGE
@@ -154,6 +155,30 @@ class EdgeLayers:
         inner, outer = self.lines[k], self.lines[k + 1]
         slant = read_slant(self.sight, self.edge, inner, outer, self.corner, other.lines, strip.level)
         return _ASLANT[0] < slant < _ASLANT[1]
+
+    def drawn(self, k: int, other: EdgeLayers, j: int) -> bool:
+        """Whether the texture of the face tells that strip k lies on it: in it, or in strip j of the other edge.
+
+        Where it goes on in that, no corner of a face is where their inner lines cross. Line k then ends with line j, or
+        strip k with the face.
+        """
+        if goes_on(self.sight, self.edge, self.lines, k, self.corner):
+            return True
+        if j >= len(other.strips) or not goes_on(other.sight, other.edge, other.lines, j, other.corner):
+            return False
+        return self._turns(k, other, j) or self.flush(k, other)
+
+    def _turns(self, k: int, other: EdgeLayers, j: int) -> bool:
+        """Whether line k has ended where it crosses strip j of the other edge."""
+        high = self.lines[k].at(self.corner)
+        start, stop = (other.lines[j + 1].at(high), other.lines[j].at(high))
+        inset = (1.0 - ACROSS[-1]) * (stop - start)
+        wide = min(self.width(k), 2.0 * BESIDE[1])
+        sides = [self.lines[k].across + sign * wide * ACROSS for sign in (1.0, -1.0)]
+        tilts = [self.lines[k].tilt] * 2
+        inside, outside = self.sight.levels(self.edge, sides, tilts, start + inset, stop - inset + PITCH)
+        left = abs(np.log(max(inside, 1.0) / max(outside, 1.0)))
+        return bool(left < 0.5 * abs(self.against_face(self.strips[k].level)))
 
     def _bevelled(self, k: int, other: EdgeLayers) -> float:
         """How far from the face's own end strip k would seem to end if it were a bevel of 45 degrees [m]."""

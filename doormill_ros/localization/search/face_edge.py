@@ -42,7 +42,7 @@ def settle(one: EdgeLayers, other: EdgeLayers) -> EdgeLine:
                     raise one.doubt(k, k + 1)
                 crossed = True
             behind = False if crossed else _lies_behind(one, k, other, other.first)
-            if behind is None:
+            if behind is None and not one.drawn(k, other, other.first):
                 raise one.doubt(k, k + 1)
             if behind:
                 break
@@ -142,7 +142,9 @@ def _framed(one: EdgeLayers, other: EdgeLayers) -> bool:
     # Strips too faint to tell where they cross, not so faint as to be face, are believed unless they differ in width.
     faint = _FACE < min(abs(mine), abs(its)) < _CROSSED and max(abs(mine), abs(its)) < 2 * _CROSSED
     uneven = faint and abs(one.width(k) - other.width(j)) > 2 * _SHRINKS
-    return one_thing if behind else (uncrossed or uneven) and behind is None
+    if behind:
+        return one_thing
+    return (uncrossed or uneven) and behind is None and not one.drawn(k, other, j)
 
 
 def _crossed(one: EdgeLayers, other: EdgeLayers) -> bool | None:

@@ -35,7 +35,7 @@ class Chosen:
         for edge, other in zip(self.read, self.read[::-1], strict=True):
             check_told(edge, other)
             for k in range(edge.lines.index(self.lines[edge.edge])):
-                if edge.mitred(k, other):
+                if edge.mitred(k, other) and not edge.drawn(k, other, max(other.first - 1, 0)):
                     raise edge.doubt(k, k + 1)
 
     def check_are(self, edges: dict[str, EdgeLine]) -> None:

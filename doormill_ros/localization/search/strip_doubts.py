@@ -7,12 +7,20 @@ import numpy as np
 from doormill_ros.localization.search.edge_layers import CLOSE, TOGETHER, EdgeLayers
 from doormill_ros.localization.search.edge_line import EdgeLine
 from doormill_ros.localization.search.shade import BESIDE, PITCH, WELL, Surfaces
-from doormill_ros.localization.search.strips import ACROSS
+from doormill_ros.localization.search.strips import ACROSS, BEYOND
+from doormill_ros.statistics import running_means
 
 _SEEN_STEP = 0.5  # share of the step along the whole edge that must be between both sides of a line where they are read
 _AS_FACE = 0.2  # what differs from the face by less than that share of what its strips do is face
 _STRAIGHT = 0.4e-3  # a strip that begins on all its parallels within that is cut off [m]
 _APART = 1.5e-3  # lines so far from one another have steps of their own [m]
+_BORDER, _SMOOTH = (
+    10,
+    5,
+)  # places over which a border shows all of its step, and that are averaged on each side of it
+_FADES = (
+    0.5  # light shows less than that share of its change over them, and less than that on what is on the face
+)
 
 
 def ends_face(sight: Surfaces, edge: str, line: EdgeLine, corner: float, end: float) -> bool:
@@ -55,7 +63,8 @@ def check_told(one: EdgeLayers, other: EdgeLayers) -> None:
             continue
         short = strip.end > other.lines[0].at(strip.middle) + TOGETHER
         with_face = any(abs(strip.left - line.at(strip.middle)) < TOGETHER for line in other.lines)
-        if (short and not _cut_off(one, k, other)) or (with_face and not one.ends[k]):
+        doubtful = (short and not _cut_off(one, k, other)) or (with_face and not one.ends[k])
+        if doubtful and not _fades(one, k, other):
             raise one.doubt(k, k + 1)
 
 
@@ -81,7 +90,31 @@ def _cut_off(one: EdgeLayers, k: int, other: EdgeLayers) -> bool:
     ).astype(float)
     beyond, within = np.median(grey[:, :8], axis=1), np.median(grey[:, -100:], axis=1)
     there = np.abs(grey - within[:, None]) < np.abs(grey - beyond[:, None])
-    # What begins is there from then on.
-    begins = PITCH * (there.shape[1] - np.argmin(there[:, ::-1], axis=1))
-    strip, face = begins[:-1], float(begins[-1])
+    # What begins is there from then on; the face only for a while, for a groove may cross it further in.
+    strip = PITCH * (there.shape[1] - np.argmin(there[:-1, ::-1], axis=1))
+    whole = np.convolve(there[-1], np.ones(_BORDER, dtype=int), "valid") == _BORDER
+    face = PITCH * int(np.argmax(whole)) if whole.any() else np.inf
     return bool(np.ptp(strip) < _STRAIGHT and face < CLOSE[1] + _STRAIGHT)
+
+
+def _fades(one: EdgeLayers, k: int, other: EdgeLayers) -> bool:
+    """Whether strip k, which is not taken for face, goes over into what lies beyond the other edge by light alone.
+
+    On the face it would have a border where it ends or is broken off, and the face beside it would have the same light.
+    """
+    if k < one.first or one.ends[k] is not False:
+        return False
+    inner, low, high = one.lines[k], one.lines[k + 1].at(one.corner), one.lines[k].at(one.corner)
+    places = np.concatenate([low + ACROSS * (high - low), high + np.linspace(*BESIDE, ACROSS.size)])
+    start = other.lines[-1].at(0.5 * (low + high)) + BEYOND
+    along = np.arange(start, one.corner + WELL[1], PITCH)
+    grey = one.sight.rows(one.edge, places - inner.tilt * one.corner, inner.tilt, along).astype(np.float32)
+    means = running_means(grey, _SMOOTH)
+    strip, face = means[: ACROSS.size], means[ACROSS.size :]
+    far = strip[:, -1]
+    change = np.abs(far - strip[:, 0])
+    steepest = np.abs(strip[:, _BORDER:] - strip[:, :-_BORDER]).max(axis=1)
+    within = face[:, np.searchsorted(along, one.corner + CLOSE[1]) :].mean(axis=0)
+    on_face = np.ptp(np.log(np.maximum(within, 1.0)))
+    on_strip = np.log(np.maximum(far, 1.0) / np.maximum(strip[:, 0], 1.0))
+    return bool((steepest < _FADES * change).all() and on_face < _FADES * np.abs(on_strip).min())

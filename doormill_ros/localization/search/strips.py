@@ -14,8 +14,8 @@ from doormill_ros.statistics import median
 LEAST = 5.0  #: grey levels between two surfaces of which the border can be placed
 ACROSS = np.linspace(0.3, 0.7, 5)  #: where across a strip it is read, as shares of its width
 _TWO_SIDES = np.array([[0.15, 0.25, 0.35], [0.65, 0.75, 0.85]])  # the same, near its outer and inner line
-# Where a strip's end is looked for, beyond the other edge's outermost and innermost line [m]
-_END = (-6.0e-3, 4.0e-3)
+BEYOND = -6.0e-3  #: from so far beyond the other edge's outermost line a strip's end is looked for [m],
+_WITHIN = 4.0e-3  # to so far within the innermost [m]
 # Where a strip's width is read along the edge, from the corner; how far beside each line, and how closely [m]
 _READ, _NEAR, _FINE = (4.0e-3, 32.0e-3), 0.6e-3, 0.03e-3
 _SMOOTH = 5  # differences that are averaged
@@ -56,7 +56,7 @@ def read_strip(
     across = low + ACROSS * (high - low) - inner.tilt * corner
     middle = 0.5 * (low + high)
     level = sight.level(edge, across, inner.tilt, corner + WELL[0], corner + WELL[1])
-    along = np.arange(across_lines[-1].at(middle) + _END[0], across_lines[0].at(middle) + _END[1], PITCH)
+    along = np.arange(across_lines[-1].at(middle) + BEYOND, across_lines[0].at(middle) + _WITHIN, PITCH)
     grey = sight.along(edge, across, inner.tilt, along)
     return EdgeStrip(level, _begins(along, grey, level), _left(along, grey, level), middle)
 
@@ -86,8 +86,8 @@ def read_slant(
     low, high = outer.at(corner), inner.at(corner)
     middle = 0.5 * (low + high)
     # A mitre goes on as far along the strip as the strip is wide.
-    stop = across_lines[0].at(middle) + _END[1] + high - low
-    along = np.arange(across_lines[-1].at(middle) + _END[0], stop, PITCH)
+    stop = across_lines[0].at(middle) + _WITHIN + high - low
+    along = np.arange(across_lines[-1].at(middle) + BEYOND, stop, PITCH)
     ends = []
     for shares in _TWO_SIDES:
         across = low + shares * (high - low) - inner.tilt * corner

@@ -11,10 +11,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from doormill_ros.arrays import Float32Array, FloatArray
+from doormill_ros.arrays import ByteArray, Float32Array, FloatArray
 from doormill_ros.localization.errors import WrongEdge
 from doormill_ros.localization.search.edge_line import EdgeLine
+from doormill_ros.localization.search.grain import goes_on
 from doormill_ros.localization.search.neighbourhood import Neighbourhood
+from doormill_ros.localization.search.shade import Surfaces
 from doormill_ros.localization.view import BOTTOM, HINGE, FaceView
 from doormill_ros.statistics import NORMAL_STD, median, row_medians, running_means
 from doormill_ros.units import m_to_mm, rad_to_deg
@@ -109,18 +111,23 @@ def _scan(beside: Neighbourhood, corner: float) -> _Scan:
 
 
 def corner_within(
-    view: FaceView, pose: FloatArray, around: Mapping[str, Neighbourhood], edges: Mapping[str, EdgeLine]
+    picture: ByteArray,
+    view: FaceView,
+    pose: FloatArray,
+    around: Mapping[str, Neighbourhood],
+    edges: Mapping[str, EdgeLine],
 ) -> dict[str, EdgeLine]:
     """The lines of a second corner within the one found, parallel to the edges; empty where none is to be judged.
 
     Args:
+        picture: Grey picture, shape (h, w), uint8.
         view: The camera before the face.
         pose: Of the corner: y, z [m] and rotation [rad], shape (3,).
         around: What lies beside each edge.
         edges: The edges, as they were when that was learned.
 
     Raises:
-        WrongEdge: It is turned against the edges, which no lipping is.
+        WrongEdge: It is turned against the edges, which no lipping is, and the texture of the face ends there.
     """
     at = view.pixels(pose[None, :2])[0]
     scans = {}
@@ -143,6 +150,10 @@ def corner_within(
     sizes = abs(step) / scans[HINGE].level, abs(its) / scans[BOTTOM].level
     if turned > _ASKEW:
         if np.sqrt(sizes[0] * sizes[1]) < _TOGETHER:
+            return {}
+        sight = Surfaces(picture, view)
+        corner = {HINGE: float(pose[1]), BOTTOM: float(pose[0])}
+        if any(goes_on(sight, edge, [line, edges[edge]], 0, corner[edge]) for edge, line in lines.items()):
             return {}
         raise WrongEdge(
             f"within the corner that was found another one shows, {m_to_mm(apart):.1f} mm further in and turned by "
