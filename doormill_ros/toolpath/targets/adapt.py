@@ -21,6 +21,11 @@ TALLEST_FLAT_ARC = 1e-4  #: arcs up to this height may become two chords, which 
 ROUNDS = 5  #: play in a gear makes steps that no number of divisions would follow
 
 
+def direction_rounds(loaded: LoadedRobot) -> int:
+    """How often a path is corrected at most, each time for the directions in which its joints turn."""
+    return DIRECTION_ROUNDS if loaded.remembers else 1
+
+
 def adapted(
     plan: Plan, q: FloatArray, T_base_door: FloatArray, loaded: LoadedRobot, settings: Correction
 ) -> tuple[Plan, Stations, FloatArray]:
@@ -50,7 +55,7 @@ def adapted(
         nominal, at = stations.T_base_tool[cut].reshape(-1, 4, 4), q[cut].reshape(-1, 6)
         turning = directions(q + shift)[cut].reshape(-1, 6)
         found = loaded.corrected(nominal, at, stations.loads(every, place, turning))
-        for _ in range(DIRECTION_ROUNDS - 1):
+        for _ in range(direction_rounds(loaded) - 1):
             shift[cut] = found.q.reshape(-1, k, 6) - q[cut]
             before, turning = turning, directions(q + shift)[cut].reshape(-1, 6)
             changed = (turning != before).any(axis=1)
