@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -27,7 +28,7 @@ class Line:
     end: FloatArray
     is_arc: ClassVar[bool] = False
 
-    @property
+    @functools.cached_property
     def length(self) -> float:
         """Length [m]."""
         return math.dist(self.start, self.end)
@@ -79,12 +80,12 @@ class Arc:
     sweep: float
     is_arc: ClassVar[bool] = True
 
-    @property
+    @functools.cached_property
     def radius(self) -> float:
         """Radius [m]."""
         return math.dist(self.start, self.centre)
 
-    @property
+    @functools.cached_property
     def length(self) -> float:
         """Length along the arc [m]."""
         return self.sweep * self.radius
