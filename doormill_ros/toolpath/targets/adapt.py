@@ -66,12 +66,9 @@ def adapted(
         shift[cut] = found.q.reshape(-1, k, 6) - q[cut]
         correction = np.zeros((len(plan.steps), k, 3))
         correction[cut] = (found.T_base_tool - nominal)[:, :3, 3].reshape(-1, k, 3)
-        arc = np.array([step.curve.is_arc for step in plan.steps])
-        bend = np.where(
-            [step.cutting for step in plan.steps],
-            bends(stations.T_base_tool[..., :3, 3] + correction, arc),
-            0.0,
-        )
+        arc = np.array([plan.steps[i].curve.is_arc for i in cut])
+        bend = np.zeros(len(plan.steps))
+        bend[cut] = bends(stations.T_base_tool[cut, :, :3, 3] + correction[cut], arc)
         if number and not (bend > settings.bend).any():
             break
         division = divide(plan.steps, correction, bend, settings, blend=number == 0)
