@@ -185,7 +185,8 @@ def _turns(
     shifts: list[list[float]] = []
     worst: list[tuple[float, int, int]] = []
     lowest, highest = path.min(axis=0).tolist(), path.max(axis=0).tolist()
-    floors, ceilings = (robot.lower + rules.limit_margin).tolist(), (robot.upper - rules.limit_margin).tolist()
+    floors = (robot.lower + rules.limit_margin).tolist()
+    ceilings = (robot.upper - rules.limit_margin).tolist()
     for joint, (low, high, floor, ceiling) in enumerate(zip(lowest, highest, floors, ceilings, strict=True)):
         turns = range(math.ceil((floor - low) / _TURN), math.floor((ceiling - high) / _TURN) + 1)
         shifts.append([turn * _TURN for turn in turns])

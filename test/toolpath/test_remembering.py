@@ -36,7 +36,9 @@ def test_a_model_remembers_by_what_it_has_beside_springs(cell, play):
         return ExtendedComplianceModel(cell.robot.name, cell.robot.dh, cell.robot.stiffness, causes)
 
     backlash = extended(SizedCause(build_cause("joint_backlash", "joint 1"), np.array([1e-4, 8.0])))
-    assert not remembers(JointSpringModel(cell.robot)) and not remembers(extended())
+    assert not remembers(JointSpringModel(cell.robot))
+    assert not remembers(extended())
     assert remembers(backlash)
-    assert remembers(SaggingModel(backlash, None)) and not remembers(SaggingModel(extended(), None))
+    assert remembers(SaggingModel(backlash, None))
+    assert not remembers(SaggingModel(extended(), None))
     assert remembers(play(np.zeros(6)))  # it does not tell

@@ -181,7 +181,7 @@ def parse_lines(lines: Sequence[str], first: int = 1) -> tuple[TargetLine, ...]:
     if not lines:
         return ()
     texts = [_fields(line, number) for number, line in enumerate(lines, start=first)]
-    values = np.array([[float(text) for text in row] for row in texts])
+    values = np.array([list(map(float, row)) for row in texts])
     _check_quaternions(values[:, 3:7], lines, first)
     decimals = np.array([[len(text.partition(".")[2]) for text in row[:7]] for row in texts])
     position_mm, quaternion = values[:, :3], values[:, 3:7]
@@ -247,7 +247,9 @@ def _check_quaternions(quaternions: FloatArray, lines: Sequence[str], first: int
 def _of_positive_first(quaternion: list[float], decimals: int) -> list[float]:
     """The rounded quaternion whose first component that is not zero is positive."""
     rounded = [round(value, decimals) for value in quaternion]
-    return rounded if next(value for value in rounded if value != 0.0) > 0.0 else [-value for value in rounded]
+    if next(value for value in rounded if value != 0.0) < 0.0:
+        rounded = [-value for value in rounded]
+    return rounded
 
 
 def _format_conf(conf: ConfData, label: str) -> str:
