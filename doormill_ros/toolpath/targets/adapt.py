@@ -51,24 +51,27 @@ def adapted(
     shift = np.zeros_like(q)  # from the nominal joint angles to the ones sent
     for number in range(ROUNDS):
         cut = np.array([i for i, step in enumerate(plan.steps) if step.cutting])
-        every, place = np.repeat(cut, k), np.tile(np.arange(k), len(cut))
-        nominal, at = stations.T_base_tool[cut].reshape(-1, 4, 4), q[cut].reshape(-1, 6)
-        turning = directions(q + shift)[cut].reshape(-1, 6)
+        # The first round asks for the ends of steps alone, the directions of joints for all between them, too.
+        asked = np.arange(k) if number or loaded.remembers else np.array([0, k - 1])
+        every, place = np.repeat(cut, len(asked)), np.tile(asked, len(cut))
+        nominal, at = stations.T_base_tool[every, place], q[every, place]
+        turning = directions(q + shift)[every, place]
         found = loaded.corrected(nominal, at, stations.loads(every, place, turning))
         for _ in range(direction_rounds(loaded) - 1):
-            shift[cut] = found.q.reshape(-1, k, 6) - q[cut]
-            before, turning = turning, directions(q + shift)[cut].reshape(-1, 6)
+            shift[every, place] = found.q - at
+            before, turning = turning, directions(q + shift)[every, place]
             changed = (turning != before).any(axis=1)
             if not changed.any():
                 break
             loads = stations.loads(every, place, turning)
             found = loaded.corrected_again(found, nominal, at, np.arange(len(at)), loads, changed)
-        shift[cut] = found.q.reshape(-1, k, 6) - q[cut]
+        shift[every, place] = found.q - at
         correction = np.zeros((len(plan.steps), k, 3))
-        correction[cut] = (found.T_base_tool - nominal)[:, :3, 3].reshape(-1, k, 3)
-        arc = np.array([plan.steps[i].curve.is_arc for i in cut])
+        correction[every, place] = (found.T_base_tool - nominal)[:, :3, 3]
         bend = np.zeros(len(plan.steps))
-        bend[cut] = bends(stations.T_base_tool[cut, :, :3, 3] + correction[cut], arc)
+        if number:
+            arc = np.array([plan.steps[i].curve.is_arc for i in cut])
+            bend[cut] = bends(stations.T_base_tool[cut, :, :3, 3] + correction[cut], arc)
         if number and not (bend > settings.bend).any():
             break
         division = divide(plan.steps, correction, bend, settings, blend=number == 0)
