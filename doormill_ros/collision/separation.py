@@ -86,9 +86,9 @@ class Bodies:
     def _apart(self, pairs: IntArray, across: FloatArray, region: Region) -> FloatArray:
         """How far the middles are apart along normals of shape (3, p, n), shape (p, n) [m]."""
         moving, other = self._number[pairs]
-        apart: FloatArray = np.zeros(across.shape[1:])
-        for axis, middles in zip(across, region.middles, strict=True):
-            apart += axis * (middles[moving] - middles[other])
+        way = region.middles.take(moving, axis=1) - region.middles.take(other, axis=1)
+        way *= across
+        apart: FloatArray = way.sum(axis=0)
         return apart
 
     def _behind(self, pairs: IntArray, normal: FloatArray) -> FloatArray:

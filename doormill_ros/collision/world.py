@@ -27,6 +27,7 @@ from doormill_ros.robot.description import Robot
 
 DOOR, MILL = "door", "mill"
 MANY = 60  #: pairs of which it is quicker to ask for all than for each
+FEW = 12  #: pairs of which it is quicker to tell the gap at once than roughly first
 _BEHIND = np.arange(1, JOINTS + 1)  #: numbers of the joints, of which the base is 0
 #: Bodies fewer joints apart than this are held apart by the joints' limits.
 JOINTS_APART = 3
@@ -184,7 +185,8 @@ class World:
         lowest: FloatArray = distance[:, None] - reach @ (region.turned(here) + region.off).T
         near = np.flatnonzero(lowest.min(axis=1) < enough)
         normal = self._planes(pairs[near]) if len(near) else np.empty((0, 3))
-        for gap_along in (self._bodies.rough_gap, self._bodies.gap):
+        ways = (self._bodies.rough_gap, self._bodies.gap)
+        for gap_along in ways if len(near) > FEW else ways[1:]:
             if not len(near):
                 break
             # The library knows a plane less exactly than a distance, which tells on bodies as wide as a floor.

@@ -13,7 +13,12 @@ from doormill_ros.correction.felt import felt
 from doormill_ros.correction.loads import Loads
 from doormill_ros.correction.worth import DeflectionSpread, Worth, standing_share
 from doormill_ros.robot.kinematics import Kinematics
-from doormill_ros.robot_model.elastic.compliance import ComplianceModel, StandingModel, StandingSpread
+from doormill_ros.robot_model.elastic.compliance import (
+    ComplianceModel,
+    StandingModel,
+    StandingSpread,
+    remembers,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +43,11 @@ class LoadedRobot:
     def _standing_model(self) -> StandingModel | None:
         """The model, if it moves the unloaded tool; cached: the isinstance check costs more than most answers."""
         return self.model if isinstance(self.model, StandingModel) else None
+
+    @functools.cached_property
+    def remembers(self) -> bool:
+        """Whether corrections hang on the directions of loads."""
+        return remembers(self.model)
 
     @property
     def load_point(self) -> FloatArray:

@@ -90,8 +90,9 @@ class Worth:
         by_spring = np.einsum("nij,nj->nji", J[:, :3], turn * self.relative)  # (n, 6 joints, 3) [m]
         if standing is not None:
             by_spring = by_spring + standing.joints
-        by_gap = np.linalg.norm(J[:, :3], axis=1) * self.gap  # (n, 6)
-        by_joint = np.hypot(np.linalg.norm(by_spring, axis=2), by_gap)
+        by_joint = np.sqrt(np.einsum("nji,nji->nj", by_spring, by_spring))
+        if self.gap.any():
+            by_joint = np.hypot(by_joint, np.linalg.norm(J[:, :3], axis=1) * self.gap)  # (n, 6)
         turns = components @ J / self.stiffness  # (n, 6 components, 6 joints)
         moved = turns @ np.swapaxes(J[:, :3], 1, 2)  # (n, 6 components, 3) [m]
         rest = np.zeros(len(q)) if standing is None else standing.rest

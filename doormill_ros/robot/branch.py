@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
@@ -135,7 +136,7 @@ class _Search:
         for branch in allowed:
             if np.isnan(solutions[:, branch]).any():
                 continue
-            path = np.unwrap(solutions[:, branch], axis=0, period=_TURN)
+            path = _unwrapped(solutions[:, branch])
             candidates, over = _turns(self.robot, path, self.rules, first)
             # Near a singularity of the wrist axes 4 and 6 wind up; then it is to blame, not they.
             if over and over[1] not in _WRIST_ROLLS:
@@ -168,6 +169,12 @@ class _Search:
         return True
 
 
+def _unwrapped(path: FloatArray) -> FloatArray:
+    """Joint angles without whole turns between neighbours; most have none, and to see that is quicker."""
+    jumps = np.abs(np.diff(path, axis=0)) > 0.5 * _TURN
+    return np.unwrap(path, axis=0, period=_TURN) if jumps.any() else path
+
+
 def _turns(
     robot: Robot, path: FloatArray, rules: BranchRules, first: int
 ) -> tuple[list[FloatArray], tuple[float, int, int] | None]:
@@ -177,10 +184,11 @@ def _turns(
     """
     shifts: list[list[float]] = []
     worst: list[tuple[float, int, int]] = []
-    for joint in range(JOINTS):
-        low, high = path[:, joint].min(), path[:, joint].max()
-        floor, ceiling = robot.lower[joint] + rules.limit_margin, robot.upper[joint] - rules.limit_margin
-        turns = range(int(np.ceil((floor - low) / _TURN)), int(np.floor((ceiling - high) / _TURN)) + 1)
+    lowest, highest = path.min(axis=0).tolist(), path.max(axis=0).tolist()
+    floors = (robot.lower + rules.limit_margin).tolist()
+    ceilings = (robot.upper - rules.limit_margin).tolist()
+    for joint, (low, high, floor, ceiling) in enumerate(zip(lowest, highest, floors, ceilings, strict=True)):
+        turns = range(math.ceil((floor - low) / _TURN), math.floor((ceiling - high) / _TURN) + 1)
         shifts.append([turn * _TURN for turn in turns])
         if not turns:
             over, turn = min(

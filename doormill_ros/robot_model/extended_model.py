@@ -103,6 +103,15 @@ class ExtendedComplianceModel:
         """As large and turned as the causes have it, as `KnowingModel.felt`."""
         return self._felt(self._setup(), q, wrench)
 
+    @property
+    def remembers(self) -> bool:
+        """As `compliance.remembers`: springs alone do not."""
+        return bool(self._acting())
+
+    def _acting(self) -> list[SizedCause]:
+        """What displaces the robot beside its springs."""
+        return [s for s in (*self.causes, *self.laws) if s.cause.of_robot and s.cause.stage == "robot"]
+
     def _setup(self) -> Setup:
         setup = Setup()
         for sized in (*self.causes, *self.laws):
@@ -134,7 +143,7 @@ class ExtendedComplianceModel:
         setup = self._setup()
         turned, felt = q + setup.joint_offset, self._felt(setup, q, wrench)
         twist = spring_twist(self._kinematics.jacobian(turned, load_point), felt, self.joint_stiffness)
-        acting = [s for s in (*self.causes, *self.laws) if s.cause.of_robot and s.cause.stage == "robot"]
+        acting = self._acting()
         if not acting:
             return twist
         case = build_load_case(

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from doormill_ros.abb.errors import AbbError, TargetLineError, TargetValueError
-from doormill_ros.arrays import BoolArray, FloatArray, IntArray
+from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.frames import are_transforms, check_transform, from_wxyz, quaternion_wxyz
 from doormill_ros.robot.configuration import ConfData
 from doormill_ros.units import m_to_mm, mm_to_m
@@ -40,6 +40,10 @@ _DECIMAL_TEXT = r"-?[0-9]{1,4}(?:\.[0-9]{1,8})?"
 _DECIMAL, _INTEGER = re.compile(_DECIMAL_TEXT), re.compile(r"-?[0-9]")
 #: The numbers of a line, each with its decimals in front.
 _NUMBERS = f"%.*f{SEPARATOR}" * 7
+#: The minus sign that they put before what is rounded to zero.
+_BELOW_ZERO = re.compile(rf"-0(?=(?:\.0+)?{SEPARATOR})")
+#: A q1 from here on is not rounded to zero, by whichever decimals.
+SMALLEST_FIRST = 10.0 ** -DECIMALS[-1][1]
 
 
 def _texts(low: int, high: int) -> str:
@@ -96,10 +100,10 @@ def format_lines(
         return []
     numbers = np.hstack([m_to_mm(poses[:, :3, 3]), quaternion_wxyz(poses)])
     decimals = np.stack([_decimals_of(numbers[:, :3], first) for first, _ in DECIMALS], axis=1)
-    rows = zip(numbers.tolist(), _as_rounded(numbers).tolist(), decimals.tolist(), confs, labels, strict=True)
+    rows = zip(numbers.tolist(), decimals.tolist(), confs, labels, strict=True)
     return [
-        _format_target(values, plain, choices, _format_conf(conf, label), label)
-        for values, plain, choices, conf, label in rows
+        _format_target(values, choices, _format_conf(conf, label), label)
+        for values, choices, conf, label in rows
     ]
 
 
@@ -140,30 +144,21 @@ def _decimals_of(millimetres: FloatArray, most: int) -> IntArray:
     return decimals
 
 
-def _as_rounded(numbers: FloatArray) -> BoolArray:
-    """Lines in which no choice of decimals makes a zero of a number below it, nor of q1; shapes (n, 7) -> (n,)."""
-    unit = 10.0 ** -np.array(DECIMALS[-1], dtype=float)[[0, 0, 0, 1, 1, 1, 1]]
-    kept: BoolArray = (~np.signbit(numbers) | (numbers <= -unit)).all(axis=1) & (numbers[:, 3] >= unit[3])
-    return kept
-
-
-def _format_target(numbers: list[float], plain: bool, choices: list[list[int]], conf: str, label: str) -> str:
+def _format_target(numbers: list[float], choices: list[list[int]], conf: str, label: str) -> str:
     """One line, with the first choice of decimals that fits.
 
     Args:
         numbers: x, y, z [mm] and q1..q4.
-        plain: Rounding leaves their signs as they are, see `_as_rounded`.
         choices: For each of `DECIMALS` those of x, y, z.
         conf: Texts of cf1, cf4, cf6, cfx.
         label: What the target is called.
     """
-    x, y, z, q1, q2, q3, q4 = numbers
+    x, y, z, *quaternion = numbers
     for (a, b, c), (_, d) in zip(choices, DECIMALS, strict=True):
-        if plain:
-            line = _NUMBERS % (a, x, b, y, c, z, d, q1, d, q2, d, q3, d, q4) + conf
-        else:
-            texts = [_format(x, a), _format(y, b), _format(z, c), *_format_quaternion(numbers[3:], d)]
-            line = "".join(text + SEPARATOR for text in texts) + conf
+        q1, q2, q3, q4 = quaternion if quaternion[0] >= SMALLEST_FIRST else _of_positive_first(quaternion, d)
+        line = _NUMBERS % (a, x, b, y, c, z, d, q1, d, q2, d, q3, d, q4) + conf
+        if "-0" in line:
+            line = _BELOW_ZERO.sub("0", line)
         if len(line) <= LINE_BUDGET:
             return line
     if len(line) <= RAPID_STRING:
@@ -186,7 +181,7 @@ def parse_lines(lines: Sequence[str], first: int = 1) -> tuple[TargetLine, ...]:
     if not lines:
         return ()
     texts = [_fields(line, number) for number, line in enumerate(lines, start=first)]
-    values = np.array([[float(text) for text in row] for row in texts])
+    values = np.array([list(map(float, row)) for row in texts])
     _check_quaternions(values[:, 3:7], lines, first)
     decimals = np.array([[len(text.partition(".")[2]) for text in row[:7]] for row in texts])
     position_mm, quaternion = values[:, :3], values[:, 3:7]
@@ -249,24 +244,18 @@ def _check_quaternions(quaternions: FloatArray, lines: Sequence[str], first: int
         )
 
 
-def _format_quaternion(quaternion: list[float], decimals: int) -> list[str]:
+def _of_positive_first(quaternion: list[float], decimals: int) -> list[float]:
     """The rounded quaternion whose first component that is not zero is positive."""
     rounded = [round(value, decimals) for value in quaternion]
     if next(value for value in rounded if value != 0.0) < 0.0:
         rounded = [-value for value in rounded]
-    return [_format(value, decimals) for value in rounded]
-
-
-def _format(value: float, decimals: int) -> str:
-    """Fixed decimals, and no minus sign before a zero."""
-    text = f"{value:.{decimals}f}"
-    return text[1:] if text.startswith("-") and not text.strip("-0.") else text
+    return rounded
 
 
 def _format_conf(conf: ConfData, label: str) -> str:
     """cf1, cf4, cf6, cfx with the separators behind them."""
-    for field, (low, high) in CONF_RANGE.items():
-        value = getattr(conf, field)
+    values = (conf.cf1, conf.cf4, conf.cf6, conf.cfx)
+    for (field, (low, high)), value in zip(CONF_RANGE.items(), values, strict=True):
         if not isinstance(value, int | np.integer) or not low <= value <= high:
             raise TargetValueError(
                 f"{label} has {field} = {value!r}, allowed is an integer from {low} to {high}: "

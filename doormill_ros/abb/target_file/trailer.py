@@ -253,7 +253,7 @@ def _check_escapes(trailer: Trailer, features: list[str]) -> None:
 
 def _plain(text: str, forbidden: set[str]) -> bool:
     """Printable ASCII without the forbidden characters."""
-    return text.isascii() and text.isprintable() and forbidden.isdisjoint(text)
+    return text.isascii() and text.isprintable() and not any(map(text.__contains__, forbidden))
 
 
 def _recipe_version(version: int) -> int:

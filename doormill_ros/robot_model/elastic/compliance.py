@@ -32,6 +32,11 @@ class ComplianceModel(Protocol):
         ...
 
 
+def remembers(model: ComplianceModel) -> bool:
+    """Whether a model's deflections hang on how the joints moved last; those of one that does not tell may."""
+    return bool(getattr(model, "remembers", True))
+
+
 @dataclass(frozen=True, eq=False)
 class StandingSpread:
     """What is left to chance of where n unloaded tools stand.

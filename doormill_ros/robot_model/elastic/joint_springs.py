@@ -33,6 +33,7 @@ class JointSpringModel:
         self.kinematics = Kinematics(robot)
         self.stiffness = values
         self.stiffness.setflags(write=False)
+        self.remembers = False
 
     def torque(self, q: FloatArray, wrench: FloatArray, load_point: FloatArray, link: int = 6) -> FloatArray:
         """Joint torques that a wrench causes (thesis eq. 2.34).

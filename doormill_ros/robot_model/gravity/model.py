@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Protocol
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.elastic.compliance import ComplianceModel, StandingSpread
+from doormill_ros.robot_model.elastic.compliance import ComplianceModel, StandingSpread, remembers
 
 
 class Sag(Protocol):
@@ -35,6 +35,11 @@ class SaggingModel:
         """Keep both."""
         self.springs = springs
         self.sag = sag
+
+    @property
+    def remembers(self) -> bool:
+        """As `compliance.remembers` of the springs: weight acts the same from wherever a joint came."""
+        return remembers(self.springs)
 
     def deflection(
         self, q: FloatArray, wrench: FloatArray, load_point: FloatArray, direction: FloatArray | None = None

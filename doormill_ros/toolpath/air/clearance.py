@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -10,11 +11,11 @@ import numpy as np
 from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.collision.sweep import RESERVE, Contact, contact_along, contact_on_line
 from doormill_ros.collision.world import World
-from doormill_ros.frames import cross
 from doormill_ros.recipes.features.base import Feature
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.inverse import inverse_near
 from doormill_ros.toolpath.air.reach import JointPath
+from doormill_ros.toolpath.curves.plain_vectors import plain_cross
 from doormill_ros.toolpath.cuts.operation import Operation
 from doormill_ros.toolpath.errors import AirMoveError, BodyContactError, HolderError, ReachError
 from doormill_ros.toolpath.plan import Step
@@ -125,9 +126,10 @@ def _in_air(steps: Sequence[Step], index: int) -> bool:
     step = steps[index]
     if step.cutting:
         return False
-    way = step.curve.end - step.curve.start
-    aside = np.linalg.norm(cross(way, step.R_door_tool[:, 2]))
-    return not step.feature or bool(aside > 1e-6)
+    if not step.feature:
+        return True
+    way = (step.curve.end - step.curve.start).tolist()
+    return math.hypot(*plain_cross(way, step.R_door_tool[:, 2].tolist())) > 1e-6
 
 
 def check_feature(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -27,7 +28,7 @@ class Line:
     end: FloatArray
     is_arc: ClassVar[bool] = False
 
-    @property
+    @functools.cached_property
     def length(self) -> float:
         """Length [m]."""
         return math.dist(self.start, self.end)
@@ -79,12 +80,12 @@ class Arc:
     sweep: float
     is_arc: ClassVar[bool] = True
 
-    @property
+    @functools.cached_property
     def radius(self) -> float:
         """Radius [m]."""
         return math.dist(self.start, self.centre)
 
-    @property
+    @functools.cached_property
     def length(self) -> float:
         """Length along the arc [m]."""
         return self.sweep * self.radius
@@ -204,12 +205,12 @@ def _turns(
 
     Shapes (r, 3) [m] three times, (r, 1) and (n,).
     """
-    nowhere = np.zeros(3)
-    arcs = [
-        (c.centre, c.start, c.across, c.sweep) if isinstance(c, Arc) else (nowhere, nowhere, nowhere, 0.0)
-        for c in curves
-    ]
-    centre, start, across, sweep = (np.array(column) for column in zip(*arcs, strict=True))
-    round_ = np.array([c.is_arc for c in curves])[index] & asked
-    i = index[round_]
+    is_arc = np.array([c.is_arc for c in curves])
+    arcs = [c for c in curves if isinstance(c, Arc)]
+    centre, start, across = (
+        np.array([getattr(c, name) for c in arcs]).reshape(-1, 3) for name in ("centre", "start", "across")
+    )
+    sweep = np.array([c.sweep for c in arcs])
+    round_ = is_arc[index] & asked
+    i = (is_arc.cumsum() - 1)[index[round_]]
     return centre[i], (start - centre)[i], across[i], fraction[round_, None] * sweep[i, None], round_

@@ -34,9 +34,9 @@ def motion_times(program: MillingProgram, robot: Robot, cycle: Cycle) -> FloatAr
         cycle: Accelerations, and how long stops and changes of spindle speed take.
     """
     n = len(program.motions)
-    times = np.zeros(n + 1)
     if not n:
-        return times
+        return np.zeros(1)
+    times = [0.0] * (n + 1)
     motions = program.motions
     stop = [_stops(program, i) for i in range(n)]
     ways = motion_lengths(program, robot).tolist()
@@ -57,7 +57,7 @@ def motion_times(program: MillingProgram, robot: Robot, cycle: Cycle) -> FloatAr
             times[i] += cycle.spindle
         spindle = motion.spindle_speed
     times[-1] = by_joints[n]
-    return times
+    return np.array(times)
 
 
 def reading_time(program: MillingProgram, cycle: Cycle) -> float:
@@ -145,10 +145,10 @@ def _is_way(motion: Motion) -> bool:
 
 def _passed(
     program: MillingProgram, lengths: dict[int, float], stop: list[bool], acceleration: float
-) -> FloatArray:
-    """Speed at the beginning of every motion and at the end of the last one, shape (n + 1,) [m/s]."""
+) -> list[float]:
+    """Speed at the beginning of every motion and at the end of the last one, n + 1 of them [m/s]."""
     n = len(program.motions)
-    passed = np.zeros(n + 1)
+    passed = [0.0] * (n + 1)
     for i in range(1, n):
         if not stop[i - 1] and i in lengths and i - 1 in lengths:
             passed[i] = min(program.motions[i - 1].speed, program.motions[i].speed)

@@ -21,6 +21,11 @@ TALLEST_FLAT_ARC = 1e-4  #: arcs up to this height may become two chords, which 
 ROUNDS = 5  #: play in a gear makes steps that no number of divisions would follow
 
 
+def direction_rounds(loaded: LoadedRobot) -> int:
+    """How often a path is corrected at most, each time for the directions in which its joints turn."""
+    return DIRECTION_ROUNDS if loaded.remembers else 1
+
+
 def adapted(
     plan: Plan, q: FloatArray, T_base_door: FloatArray, loaded: LoadedRobot, settings: Correction
 ) -> tuple[Plan, Stations, FloatArray]:
@@ -46,27 +51,27 @@ def adapted(
     shift = np.zeros_like(q)  # from the nominal joint angles to the ones sent
     for number in range(ROUNDS):
         cut = np.array([i for i, step in enumerate(plan.steps) if step.cutting])
-        every, place = np.repeat(cut, k), np.tile(np.arange(k), len(cut))
-        nominal, at = stations.T_base_tool[cut].reshape(-1, 4, 4), q[cut].reshape(-1, 6)
-        turning = directions(q + shift)[cut].reshape(-1, 6)
+        # The first round asks for the ends of steps alone, the directions of joints for all between them, too.
+        asked = np.arange(k) if number or loaded.remembers else np.array([0, k - 1])
+        every, place = np.repeat(cut, len(asked)), np.tile(asked, len(cut))
+        nominal, at = stations.T_base_tool[every, place], q[every, place]
+        turning = directions(q + shift)[every, place]
         found = loaded.corrected(nominal, at, stations.loads(every, place, turning))
-        for _ in range(DIRECTION_ROUNDS - 1):
-            shift[cut] = found.q.reshape(-1, k, 6) - q[cut]
-            before, turning = turning, directions(q + shift)[cut].reshape(-1, 6)
+        for _ in range(direction_rounds(loaded) - 1):
+            shift[every, place] = found.q - at
+            before, turning = turning, directions(q + shift)[every, place]
             changed = (turning != before).any(axis=1)
             if not changed.any():
                 break
             loads = stations.loads(every, place, turning)
             found = loaded.corrected_again(found, nominal, at, np.arange(len(at)), loads, changed)
-        shift[cut] = found.q.reshape(-1, k, 6) - q[cut]
+        shift[every, place] = found.q - at
         correction = np.zeros((len(plan.steps), k, 3))
-        correction[cut] = (found.T_base_tool - nominal)[:, :3, 3].reshape(-1, k, 3)
-        arc = np.array([step.curve.is_arc for step in plan.steps])
-        bend = np.where(
-            [step.cutting for step in plan.steps],
-            bends(stations.T_base_tool[..., :3, 3] + correction, arc),
-            0.0,
-        )
+        correction[every, place] = (found.T_base_tool - nominal)[:, :3, 3]
+        bend = np.zeros(len(plan.steps))
+        if number:
+            arc = np.array([plan.steps[i].curve.is_arc for i in cut])
+            bend[cut] = bends(stations.T_base_tool[cut, :, :3, 3] + correction[cut], arc)
         if number and not (bend > settings.bend).any():
             break
         division = divide(plan.steps, correction, bend, settings, blend=number == 0)

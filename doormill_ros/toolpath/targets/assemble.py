@@ -96,12 +96,14 @@ def _motions(plan: Plan, route: Itinerary, stations: Stations, way_speed: float)
     """The motions of every step, those through the points before it first; `way_speed` [m/s] of these."""
     motions: list[Motion] = []
     points = count()
-    for i, step in enumerate(plan.steps):
+    for step, end, via, wrench in zip(
+        plan.steps, route.end.tolist(), route.via.tolist(), stations.wrench, strict=True
+    ):
         motions += [_through(next(points), way_speed, step.spindle_speed) for _ in step.points]
         if step.kind is MotionKind.ABSOLUTE:
             motions.append(_through(next(points), step.speed, step.spindle_speed))
             continue
-        motions.append(_motion(step, int(route.end[i]), int(route.via[i]), stations.wrench[i]))
+        motions.append(_motion(step, end, via, wrench))
     return motions
 
 

@@ -13,7 +13,7 @@ from doormill_ros.toolpath.plan import Plan
 from doormill_ros.toolpath.program import Target
 from doormill_ros.toolpath.settings import PathSettings
 from doormill_ros.toolpath.stations import Stations, directions
-from doormill_ros.toolpath.targets.adapt import DIRECTION_ROUNDS
+from doormill_ros.toolpath.targets.adapt import direction_rounds
 from doormill_ros.toolpath.targets.doubt import check_expected, expected_errors
 from doormill_ros.toolpath.targets.itinerary import Itinerary, decisive, shift_along
 from doormill_ros.units import m_to_mm
@@ -53,7 +53,7 @@ def corrected_targets(
     at_target = q[place[:, 0], place[:, 1]]
     loads = stations.loads(step, station, directions(q)[step, station])
     found = loaded.corrected_for_all(nominal, at_target, owner, loads)
-    for _ in range(DIRECTION_ROUNDS - 1):
+    for _ in range(direction_rounds(loaded) - 1):
         # What counts is how the joints turn on the way that is sent, not on the nominal one.
         sent = q + shift_along(route, found.q - at_target)
         before, loads = loads, stations.loads(step, station, directions(sent)[step, station])

@@ -68,7 +68,7 @@ def itinerary(plan: Plan) -> Itinerary:
         stops.append(Stop(name or str(len(stops) + 1), step.feature))
         return len(stops) - 1
 
-    end, via = np.full((2, len(steps)), -1)
+    end, via = [-1] * len(steps), [-1] * len(steps)
     for i, step in enumerate(steps):
         if step.kind is MotionKind.ABSOLUTE:
             continue
@@ -79,12 +79,14 @@ def itinerary(plan: Plan) -> Itinerary:
         stops[end[i]].visits.append(Visit(i, -1))
         if i and end[i - 1] >= 0:
             stops[end[i - 1]].visits.append(Visit(i, 0))
+    ends, vias = np.array(end), np.array(via)
     if plan.target_order:
         place = {name: k for k, name in enumerate(plan.target_order)}
         new = np.array([place[s.name] for s in stops])
         ordered: Sequence[Stop] = sorted(stops, key=lambda s: place[s.name])
-        return Itinerary(tuple(ordered), np.where(end >= 0, new[end], -1), np.where(via >= 0, new[via], -1))
-    return Itinerary(tuple(stops), end, via)
+        ends, vias = (np.where(numbers >= 0, new[numbers], -1) for numbers in (ends, vias))
+        return Itinerary(tuple(ordered), ends, vias)
+    return Itinerary(tuple(stops), ends, vias)
 
 
 def decisive(stop: Stop, steps: Sequence[Step]) -> list[Visit]:

@@ -137,10 +137,11 @@ def _blended_group(group: Sequence[Step], correction: FloatArray, settings: Corr
     length = np.array([step.curve.length for step in group])
     border = np.concatenate([[0.0], np.cumsum(length)])  # (m + 1,) [m]
     jump = np.linalg.norm(correction[1:, 0] - correction[:-1, -1], axis=-1) > settings.step  # (m - 1,)
-    changes = np.concatenate([[False], jump, [False]])
+    changes = [False, *jump.tolist(), False]
     wrench = _Blend(border, np.array([step.wrench_tool for step in group]), settings.blend)
-    knots = [_knots(step, changes[i : i + 2].tolist(), settings) for i, step in enumerate(group)]
-    places = np.concatenate([border[i] + length[i] * np.array(cuts) for i, cuts in enumerate(knots)])
+    knots = [_knots(step, changes[i : i + 2], settings) for i, step in enumerate(group)]
+    of_step = np.repeat(np.arange(len(group)), [len(cuts) for cuts in knots])
+    places = border[of_step] + length[of_step] * np.concatenate(knots)
     loads = iter(wrench.at_places(places))
     parts: list[Part] = []
     for i, (step, cuts) in enumerate(zip(group, knots, strict=True)):
@@ -216,8 +217,11 @@ class _Blend:
         self.integral = np.concatenate([np.zeros((1, values.shape[1])), area])  # (m + 3, d)
 
     def at_places(self, s: FloatArray) -> FloatArray:
-        """The blended quantity, shapes (...,) [m] -> (..., d)."""
+        """The blended quantity at places of the run, shapes (n,) [m] -> (n, d)."""
         return (self._up_to(s + 0.5 * self.width) - self._up_to(s - 0.5 * self.width)) / self.width
 
     def _up_to(self, s: FloatArray) -> FloatArray:
-        return np.stack([np.interp(s, self.at, column) for column in self.integral.T], axis=-1)
+        part = self.at.searchsorted(s, side="right") - 1
+        slope = (self.integral[part + 1] - self.integral[part]) / (self.at[part + 1] - self.at[part])[:, None]
+        up_to: FloatArray = slope * (s - self.at[part])[:, None] + self.integral[part]
+        return up_to
