@@ -33,6 +33,7 @@ from doormill_ros.errors import one_line
 from doormill_ros.interrupts import interrupt_once
 from doormill_ros.nodes.base.managed_node import ManagedNode
 from doormill_ros.nodes.process.help_page import HELP, NODES_FILE, help_page, words_apart
+from doormill_ros.nodes.process.log_places import tell_places
 from doormill_ros.nodes.process.mailboxes import Mailboxes
 from doormill_ros.nodes.process.spinning import SteadyExecutor
 from doormill_ros.nodes.process.unknown_parameters import unknown_nodes, unknown_parameters
@@ -136,6 +137,7 @@ def run_nodes(*factories: Callable[[], ManagedNode], arguments: Sequence[str] | 
     except RosArgumentsError as error:
         get_logger("doormill").fatal(error.message)
         return BAD_ARGUMENTS
+    tell_places()
     executor = SteadyExecutor(THREADS, look=Mailboxes().look)
     nodes: list[ManagedNode] = []
     try:
