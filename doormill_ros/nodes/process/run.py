@@ -32,6 +32,7 @@ from doormill_ros.errors import one_line
 from doormill_ros.interrupts import interrupt_once
 from doormill_ros.nodes.base.managed_node import ManagedNode
 from doormill_ros.nodes.process.allocator import set_allocator
+from doormill_ros.nodes.process.dds_settings import repair_soon
 from doormill_ros.nodes.process.help_page import HELP, NODES_FILE, help_page, words_apart
 from doormill_ros.nodes.process.log_places import tell_places
 from doormill_ros.nodes.process.mailboxes import Mailboxes
@@ -65,6 +66,7 @@ def init(
         RosArgumentsError: They cannot be read.
     """
     set_allocator(keep_freed)
+    repair_soon()
     program, *rest = list(arguments)
     with _told_of_arguments():
         rclpy.init(args=[program, *_shipped(), *rest], signal_handler_options=handlers)
