@@ -67,4 +67,6 @@ def test_who_is_started_by_a_node_has_room_for_pictures() -> None:
 def test_settings_of_the_user_are_left_alone(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
     monkeypatch.setenv(name, "mine.xml")
     repair_soon()
-    assert [os.environ.get(each) for each in NAMES] == ["mine.xml" if each == name else None for each in NAMES]
+    assert [os.environ.get(each) for each in NAMES] == [
+        "mine.xml" if each == name else None for each in NAMES
+    ]
