@@ -38,9 +38,6 @@ def held(keep_freed: bool) -> list[int]:
     return [int(word) for word in done.stdout.split()]
 
 
-@pytest.mark.skipif(
-    not hasattr(os, "confstr") or "CS_GNU_LIBC_VERSION" not in os.confstr_names, reason="no glibc"
-)
 def test_pictures_have_pages_of_their_own_or_stay() -> None:
     assert held(keep_freed=False) == [1, 0]
     blocks, left = held(keep_freed=True)
