@@ -28,9 +28,9 @@ from doormill_ros.abb.credentials import Credentials
 from doormill_ros.abb.transports.rws import connect_rws1
 from doormill_ros.cell.places.layout import load_layout
 from doormill_ros.nodes.base.topics import DOOR_POSE, IMAGE, PATH_TARGETS, Topic
-from doormill_ros.nodes.cell_simulator import make_room_for_pictures
 from doormill_ros.nodes.convert.picture import picture_message
 from doormill_ros.nodes.convert.program import program_into
+from doormill_ros.nodes.process.dds_settings import make_room_for_pictures
 from doormill_ros.pipeline.plan import load_setup, plan
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.simulation.controller.rws_server.cabinet import Cabinet

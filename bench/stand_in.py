@@ -20,7 +20,7 @@ from doormill_ros.files import write_atomically
 from doormill_ros.nodes.base import topics
 from doormill_ros.nodes.base.managed_node import ManagedNode
 from doormill_ros.nodes.base.node_parameter import NodeParameter
-from doormill_ros.nodes.cell_simulator import make_room_for_pictures
+from doormill_ros.nodes.process.dds_settings import make_room_for_pictures
 from doormill_ros.nodes.process.run import run_nodes
 from doormill_ros.nodes.simulated.camera_simulator import CameraSimulator
 from doormill_ros.simulation.controller.cabinet.io_port import FolderIo

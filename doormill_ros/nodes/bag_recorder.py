@@ -134,12 +134,10 @@ class BagRecorder(ManagedNode):
     def _run_filler(self, bag: Path, recorder: dict[str, str]) -> RunFiller | None:
         if self.value("catalogue") == "none":
             return None
-        read = {topic.name: reader_of(type_name(topic.type)) for topic in topics.ALL if topic.name in TOPICS}
+        types = {topic.name: type_name(topic.type) for topic in topics.ALL if topic.name in TOPICS}
+        # Readers are made once, when the first run has ended.
         return RunFiller(
-            self.value("catalogue"),
-            bag,
-            recorder,
-            lambda topic, data: read[topic](data),
+            self.value("catalogue"), bag, recorder, lambda topic, data: reader_of(types[topic])(data)
         )
 
     def _discover(self) -> None:
@@ -235,9 +233,9 @@ def _dropped_text(dropped: dict[str, int]) -> str:
 
 
 def main() -> int:
-    """Run the node; compressing a picture may wait until the door has its targets."""
+    """Run the node; compressing a picture may wait until the door has its targets, and so may its memory."""
     os.nice(NICENESS)
-    return run_nodes(BagRecorder)
+    return run_nodes(BagRecorder, keep_freed=False)
 
 
 if __name__ == "__main__":

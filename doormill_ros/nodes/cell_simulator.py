@@ -3,32 +3,19 @@
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 from functools import partial
 from pathlib import Path
 
 from doormill_ros.cell.graph.two_robots import in_robot
 from doormill_ros.nodes.base.robots import ROBOTS, robot_arguments
+from doormill_ros.nodes.process.dds_settings import make_room_for_pictures
 from doormill_ros.nodes.process.help_page import parameters_page, words_apart
 from doormill_ros.nodes.process.run import run_nodes
 from doormill_ros.nodes.simulated.camera_simulator import CameraSimulator
 from doormill_ros.nodes.simulated.controller_simulator import ControllerSimulator
 from doormill_ros.nodes.simulated.sensor_simulator import SensorSimulator
 from doormill_ros.nodes.simulated.shared_door_judge import SharedDoorJudge
-from doormill_ros.resources import resource
-
-#: What Fast DDS reads its settings from, in this release and in older ones.
-_SETTINGS = ("FASTDDS_DEFAULT_PROFILES_FILE", "FASTRTPS_DEFAULT_PROFILES_FILE")
-
-
-def make_room_for_pictures() -> None:
-    """Let this process send pictures through shared memory in one go; to be called before rclpy.init.
-
-    Settings of the user's own are left alone; other DDS implementations do not look at them.
-    """
-    if not any(name in os.environ for name in _SETTINGS):
-        os.environ[_SETTINGS[0]] = str(resource("config/fastdds.xml"))
 
 
 def main() -> int:

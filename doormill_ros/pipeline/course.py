@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from doormill_ros.abb.handshake.state import HandshakeState, RunOutcome
@@ -138,7 +139,8 @@ class Course:
 
     def _need(self, names: tuple[str, ...]) -> None:
         """From now on the run ends when one of these nodes dies."""
-        self._run.require = lambda: self._attendance.require(names)
+        # Not by way of this course: it holds the run, whose messages would stay until the collector comes round.
+        self._run.require = partial(self._attendance.require, names)
 
     def _note(self, **times: float) -> None:
         self.end.times = replace(self.end.times, **times)

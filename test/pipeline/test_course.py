@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import hashlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -230,6 +231,17 @@ def test_a_door_goes_through_all_stages(world: World) -> None:
     assert Path(end.target_file).read_bytes() == world.read
     assert end.sha256 == hashlib.sha256(world.read).hexdigest()
     assert f"{len(world.program.targets)} targets, largest correction 2.000 mm" in end.message
+
+
+def test_a_run_that_ended_holds_its_course_no_more(world: World) -> None:
+    """Together they would wait for the collector, with thousands of targets."""
+    gc.disable()
+    try:
+        courses = sum(isinstance(thing, Course) for thing in gc.get_objects())
+        assert world.mill().success
+        assert sum(isinstance(thing, Course) for thing in gc.get_objects()) == courses
+    finally:
+        gc.enable()
 
 
 def test_a_door_waits_while_the_robot_mills_what_a_killed_bridge_handed_over(world: World) -> None:

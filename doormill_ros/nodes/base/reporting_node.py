@@ -48,7 +48,8 @@ class ReportingNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
     def __init__(self, name: str, **kwargs: Any) -> None:
         """Declare the parameters and start reporting on /diagnostics."""
         super().__init__(name, **kwargs)
-        self._later: dict[str, Any] = {}
+        self._later: dict[str, Any] = {}  # timers by name
+        self._due: dict[str, Callable[[], None]] = {}
         self._when_set: dict[str, Callable[[], None]] = {}
         self._health: tuple[bytes, str, dict[str, Any]] = (WARN, "unconfigured", {})
         self._telling = threading.RLock()
@@ -267,24 +268,30 @@ class ReportingNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
 
         For what only people look at: drawn at once, it would take a core from the run in hand.
         """
+        self._due[name] = self.guarded(callback, f"later {name}")
+        timer = self._later.get(name)
+        if timer is None:
+            # Kept for the next time: a callback group never forgets what was made in it, destroyed or not.
+            self._later[name] = self.create_timer(DISPLAY_DELAY, lambda: self._call_due(name))
+            return
+        timer.reset()
+        if self.executor is not None:
+            self.executor.wake()
 
-        def call() -> None:
-            self._forget_later(name)
-            guarded()
-
-        guarded = self.guarded(callback, f"later {name}")
-        self._forget_later(name)
-        self._later[name] = self.create_timer(DISPLAY_DELAY, call)
+    def _call_due(self, name: str) -> None:
+        # In this order: what another thread leaves meanwhile is called now, or sets the timer again.
+        timer = self._later.get(name)
+        if timer is not None:
+            timer.cancel()
+        call = self._due.pop(name, None)
+        if call is not None:
+            call()
 
     def forget_later(self) -> None:
         """Call nothing any more of what was to be called later."""
-        for name in list(self._later):
-            self._forget_later(name)
-
-    def _forget_later(self, name: str) -> None:
-        timer = self._later.pop(name, None)
-        if timer is not None:
-            self.destroy_timer(timer)
+        self._due.clear()
+        while self._later:
+            self.destroy_timer(self._later.popitem()[1])
 
     def _publish_diagnostics(self) -> None:
         if not self.context.ok():

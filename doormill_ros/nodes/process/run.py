@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import atexit
 import contextlib
-import ctypes
 import faulthandler
 import gc
 import re
@@ -32,7 +31,10 @@ from doormill_ros.cell.errors import BadParameterError, RosArgumentsError
 from doormill_ros.errors import one_line
 from doormill_ros.interrupts import interrupt_once
 from doormill_ros.nodes.base.managed_node import ManagedNode
+from doormill_ros.nodes.process.allocator import set_allocator
+from doormill_ros.nodes.process.dds_settings import repair_soon
 from doormill_ros.nodes.process.help_page import HELP, NODES_FILE, help_page, words_apart
+from doormill_ros.nodes.process.log_places import tell_places
 from doormill_ros.nodes.process.mailboxes import Mailboxes
 from doormill_ros.nodes.process.spinning import SteadyExecutor
 from doormill_ros.nodes.process.unknown_parameters import unknown_nodes, unknown_parameters
@@ -46,22 +48,25 @@ ENDING = 20.0
 CLOSING = 60.0
 BAD_ARGUMENTS = 2  #: exit status after which nobody starts the node again
 _PLACE_IN_RCL = re.compile(r",? at /\S+:\d+")
-# Parameters of glibc's mallopt.
-_TRIM_THRESHOLD, _TOP_PAD, _MMAP_THRESHOLD, _ARENA_MAX = -1, -2, -3, -8
-_MEGABYTE = 1 << 20
 
 
-def init(arguments: Sequence[str], handlers: SignalHandlerOptions = SignalHandlerOptions.ALL) -> None:
+def init(
+    arguments: Sequence[str],
+    handlers: SignalHandlerOptions = SignalHandlerOptions.ALL,
+    keep_freed: bool = True,
+) -> None:
     """Initialize rclpy with the shipped parameter file and the user's ROS arguments.
 
     Args:
         arguments: Program name and ROS arguments.
         handlers: Signals at which rclpy takes the context away.
+        keep_freed: See `run_nodes`.
 
     Raises:
         RosArgumentsError: They cannot be read.
     """
-    _keep_freed_memory()
+    set_allocator(keep_freed)
+    repair_soon()
     program, *rest = list(arguments)
     with _told_of_arguments():
         rclpy.init(args=[program, *_shipped(), *rest], signal_handler_options=handlers)
@@ -107,12 +112,15 @@ def _told_of_arguments() -> Iterator[None]:
         ) from error
 
 
-def run_nodes(*factories: Callable[[], ManagedNode], arguments: Sequence[str] | None = None) -> int:
+def run_nodes(
+    *factories: Callable[[], ManagedNode], arguments: Sequence[str] | None = None, keep_freed: bool = True
+) -> int:
     """Run nodes in this process until interrupted; the body of every node's executable.
 
     Args:
         factories: Make the nodes.
         arguments: Program name, --help, and what ROS 2 takes; None for those of the process.
+        keep_freed: A door waits for these nodes: their allocator gives nothing back to the system.
 
     Returns:
         Exit status.
@@ -132,10 +140,11 @@ def run_nodes(*factories: Callable[[], ManagedNode], arguments: Sequence[str] | 
         )
         return BAD_ARGUMENTS
     try:
-        init(arguments)
+        init(arguments, keep_freed=keep_freed)
     except RosArgumentsError as error:
         get_logger("doormill").fatal(error.message)
         return BAD_ARGUMENTS
+    tell_places()
     executor = SteadyExecutor(THREADS, look=Mailboxes().look)
     nodes: list[ManagedNode] = []
     try:
@@ -231,21 +240,6 @@ def _take_signals_back() -> None:
 def _limit_ending() -> None:
     """End the process with the stacks of its threads, unless it ends within `ENDING` or this is taken back."""
     faulthandler.dump_traceback_later(ENDING, exit=True, file=sys.__stderr__ or 2)
-
-
-def _keep_freed_memory() -> None:
-    """Let the allocator keep what is freed.
-
-    By default a picture's buffers go back to the system each time, and touching new pages costs more
-    than copying the picture. All threads share one heap: with one for each, every new thread would keep what the
-    largest picture or program of its life took. Where there is no glibc nothing changes.
-    """
-    with contextlib.suppress(OSError, AttributeError):
-        mallopt = ctypes.CDLL(None).mallopt
-        mallopt(_MMAP_THRESHOLD, 32 * _MEGABYTE)
-        mallopt(_TRIM_THRESHOLD, 256 * _MEGABYTE)
-        mallopt(_TOP_PAD, 16 * _MEGABYTE)
-        mallopt(_ARENA_MAX, 1)
 
 
 def _spare_collector() -> None:

@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from doormill_ros.nodes.cell_simulator import make_room_for_pictures
+from doormill_ros.nodes.process.dds_settings import make_room_for_pictures
 
 PICTURE = 1920 * 1080
 NAMES = ("FASTDDS_DEFAULT_PROFILES_FILE", "FASTRTPS_DEFAULT_PROFILES_FILE")

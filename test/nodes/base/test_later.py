@@ -60,6 +60,18 @@ def test_the_latest_is_shown_once_and_not_at_once(running: tuple[Shower, SingleT
     assert node.shown[2:] == ["third path"]
 
 
+def test_doors_leave_nothing_behind(running: tuple[Shower, SingleThreadedExecutor]) -> None:
+    """A callback group keeps a reference to every timer that was ever made in it."""
+    node, executor = running
+    node.show("path", "first path")
+    spin_until_shown(node, executor, 1)
+    before = len(node.default_callback_group.entities)
+    for number in range(5):
+        node.show("path", f"path {number}")
+        spin_until_shown(node, executor, 2 + number)
+    assert len(node.default_callback_group.entities) == before
+
+
 def test_nothing_is_shown_after_clean_up(running: tuple[Shower, SingleThreadedExecutor]) -> None:
     node, executor = running
     node.show("path", "path")
