@@ -12,8 +12,7 @@ from pydantic import StrictBool, model_validator
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.config import found, read
-from doormill_ros.frames import rotation_rpy, transform
-from doormill_ros.quaternions import rotations
+from doormill_ros.frames import rotation_rpy, rotations, transform
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.errors import RobotDescriptionError
 from doormill_ros.robot.urdf import link_names
