@@ -34,7 +34,6 @@ from doormill_ros.nodes.base.managed_node import ManagedNode
 from doormill_ros.nodes.process.allocator import set_allocator
 from doormill_ros.nodes.process.dds_settings import repair_soon
 from doormill_ros.nodes.process.help_page import HELP, NODES_FILE, help_page, words_apart
-from doormill_ros.nodes.process.log_places import tell_places
 from doormill_ros.nodes.process.mailboxes import Mailboxes
 from doormill_ros.nodes.process.spinning import SteadyExecutor
 from doormill_ros.nodes.process.unknown_parameters import unknown_nodes, unknown_parameters
@@ -144,7 +143,6 @@ def run_nodes(
     except RosArgumentsError as error:
         get_logger("doormill").fatal(error.message)
         return BAD_ARGUMENTS
-    tell_places()
     executor = SteadyExecutor(THREADS, look=Mailboxes().look)
     nodes: list[ManagedNode] = []
     try:
