@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import brentq
 
 from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.diagnosis.parts.doors.cut_points import CutPoints
@@ -28,6 +29,7 @@ _PAIRS = 4  #: neighbouring doors of one recipe from which on their differences 
 _MEDIAN = 0.6745  #: of the size of a normal number, in standard deviations
 _NEIGHBOURS = 5  #: neighbouring doors of any recipe from which on theirs do
 _BESIDE_STEP = 5  #: doors from which on those on one side of a step tell it
+_UNSEEN = 1e-6  #: share of the localizer's certainty that a door's points tell of its place at least
 #: Chance that doors which are too few for either scatter more than they are taken to.
 _UNDERSTATED = 0.05
 
@@ -67,7 +69,7 @@ def door_places(
     """
     free: list[FloatArray] = []
     known: list[FloatArray] = []
-    fitted, recipe = [], []
+    fitted, error, recipe = [], [], []
     for number, one in enumerate(doors):
         rows = door == number
         point, normal, nothing = points.point[rows], points.normal[rows], np.zeros((rows.sum(), 0))
@@ -79,13 +81,14 @@ def door_places(
         free.append(nothing)
         known.append(seen_columns(point, normal, one.T_base_door[:3, 3]) * scale)
         fitted.append(np.linalg.lstsq(known[-1], unexplained[rows], rcond=None)[0])
+        error.append(np.linalg.inv(known[-1].T @ known[-1] + _UNSEEN * np.linalg.inv(one.placing)))
         recipe.append(one.recipe)
     n, anywhere = len(points), block_columns(door, free, len(points))
     placings = [one.placing for one in doors if one.placing is not None]
     if not placings:
         return DoorPlaces(np.zeros((n, 0)), anywhere)
-    stated, places = np.mean(placings, axis=0), np.array(fitted)
-    own = scatter_between(places, recipe, np.diag(stated))
+    stated, places, errors = np.mean(placings, axis=0), np.array(fitted), np.array(error)
+    own = scatter_between(places, recipe, np.diag(stated), errors)
     value, vector = np.linalg.eigh(stated - np.diag(own))
     shared = vector * np.sqrt(np.maximum(value, 0.0))  # the same for all doors
     each, together = [], np.zeros((n, 3))
@@ -96,7 +99,7 @@ def door_places(
     return DoorPlaces(
         np.hstack([block_columns(door, each, n), together]),
         anywhere,
-        chance_of_places(places, own),
+        chance_of_places(places, own, errors),
         place_step(places, recipe) if len(places) == len(doors) else 0,
     )
 
@@ -120,13 +123,16 @@ def seen_columns(point: FloatArray, normal: FloatArray, corner: FloatArray) -> F
     return np.column_stack([normal[:, 1], normal[:, 2], np.sum(turned * normal, axis=1)])
 
 
-def scatter_between(places: FloatArray, recipe: Sequence[str], stated: FloatArray) -> FloatArray:
+def scatter_between(
+    places: FloatArray, recipe: Sequence[str], stated: FloatArray, error: FloatArray
+) -> FloatArray:
     """Variance of the places from door to door, at most what is stated, shape (3,).
 
     Args:
         places: Fitted place of each door, in order, shape (d, 3).
         recipe: What each of them is.
         stated: Variances that the localizer states, shape (3,).
+        error: Covariance to which each door's points tell its place, shape (d, 3, 3).
     """
     recipes = np.array(recipe)
     found = np.concatenate([np.diff(places[recipes == name], axis=0) for name in dict.fromkeys(recipe)])
@@ -142,7 +148,7 @@ def scatter_between(places: FloatArray, recipe: Sequence[str], stated: FloatArra
     if few and len(found) >= 2:
         variance.append(_scatter_of_few(found, stated))
     if few and len(places) >= _BESIDE_STEP:
-        variance.append(_scatter_beside_step(places, stated))
+        variance.append(_scatter_beside_step(places, stated, error))
     result: FloatArray = np.maximum(np.min(variance, axis=0), _LEAST * stated)
     return result
 
@@ -163,35 +169,62 @@ def _scatter_of_few(pairs: FloatArray, stated: FloatArray) -> FloatArray:
     return np.asarray(share * stated)
 
 
-def _scatter_beside_step(places: FloatArray, stated: FloatArray) -> FloatArray:
+def _scatter_beside_step(places: FloatArray, stated: FloatArray, error: FloatArray) -> FloatArray:
     """Variance of the places of few doors of any recipes, shape (3,): the stated one by a share, taken high.
 
     The door at which they would scatter least if they stood elsewhere from there on is one of several that it could be
-    (Bonferroni). What is wrong with one recipe more than with another can only make it larger.
+    (Bonferroni). What is wrong with one recipe more than with another can only make it larger. A door with one feature
+    hardly tells where it stands from how it is turned: what it does not tell is no scatter.
 
     Args:
         places: Fitted place of each door, shape (d, 3).
         stated: Variances that the localizer states, shape (3,).
+        error: Covariance to which each door's points tell its place, shape (d, 3, 3).
     """
-    size = places / np.sqrt(stated)
-    within = [
-        sum(float(np.sum((side - side.mean(axis=0)) ** 2)) for side in (size[:step], size[step:]))
-        for step in range(1, len(size))
-    ]
-    free = (len(size) - 2) * size.shape[1]
-    share = min(within) / chi2_ppf(_UNDERSTATED / len(within), free)
-    return np.asarray(share * stated)
+    steps = range(1, len(places))
+    told = _told_numbers(error, stated) - 2.0 * places.shape[1]
+    expected = chi2_ppf(_UNDERSTATED / len(steps), max(told, 1.0))
+
+    def beyond(share: float) -> float:
+        """By how much doors stand more differently than by a share, where they do so least."""
+        parts = [((places[:step], error[:step]), (places[step:], error[step:])) for step in steps]
+        return min(sum(_apart(*side, share * stated) for side in sides) for sides in parts) - expected
+
+    if beyond(_LEAST) <= 0.0:
+        return _LEAST * stated
+    return stated if beyond(1.0) >= 0.0 else brentq(beyond, _LEAST, 1.0) * stated
 
 
-def chance_of_places(places: FloatArray, variance: FloatArray) -> float:
+def chance_of_places(places: FloatArray, variance: FloatArray, error: FloatArray) -> float:
     """Probability that places scatter as they do, or more, by the variance that they are taken to have.
 
     Args:
         places: Fitted place of each door, shape (d, 3).
         variance: From door to door, shape (3,).
+        error: Covariance to which each door's points tell its place, shape (d, 3, 3).
     """
-    away = places - places.mean(axis=0)
-    return chi2_sf(np.sum(away**2 / variance), max(len(places) - 1, 1) * places.shape[1])
+    told = _told_numbers(error, variance) - places.shape[1]
+    return chi2_sf(_apart(places, error, variance), max(told, 1.0))
+
+
+def _apart(places: FloatArray, error: FloatArray, variance: FloatArray) -> float:
+    """Squared distance of places, shape (d, 3), from their likeliest mean, in standard deviations.
+
+    Args:
+        places: Of the doors.
+        error: Covariance of each, shape (d, 3, 3).
+        variance: By which they scatter beside that, shape (3,).
+    """
+    weight = np.linalg.inv(error + np.diag(variance))
+    mean = np.linalg.solve(weight.sum(axis=0), np.einsum("dij,dj->i", weight, places))
+    away = places - mean
+    return float(np.einsum("di,dij,dj->", away, weight, away))
+
+
+def _told_numbers(error: FloatArray, variance: FloatArray) -> float:
+    """How many numbers doors tell of places that scatter by a variance, shape (3,), three a door at most."""
+    weight = np.linalg.inv(error + np.diag(variance))
+    return float(np.einsum("dii,i->", weight, variance))
 
 
 def block_columns(rows: IntArray, blocks: Sequence[FloatArray], n: int) -> FloatArray:
