@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from doormill_ros.diagnosis.parts.fitting.placement import scatter_between
+from doormill_ros.diagnosis.parts.fitting.placement import place_error, scatter_between, seen_columns
 
 STATED = np.array([85e-6, 50e-6, 80e-6]) ** 2
 KNOWN = np.zeros((5, 3, 3))  #: by points all over the door
@@ -51,20 +51,44 @@ def test_one_recipe_seen_twice_tells_nothing():
 
 
 def test_what_a_door_with_one_hinge_does_not_tell_of_its_place_is_no_scatter():
-    others, height, share = tuple("abcde"), 1.8, 0.15
-    # A hinge high up tells where it lies itself: a turn about the corner moves it along y.
-    own = np.array([[-height, 0.0, 1.0]]).T * 6e-5
-    error = KNOWN + np.diag([2e-6, 2e-6, 1e-6]) ** 2
-    error[2] += own @ own.T
+    others, share, noise = tuple("abcde"), 0.15, 1e-5
+    columns = [
+        hinged(noise, *heights) for heights in ([0.3, 1.5], [0.4, 1.2], [1.7], [0.3, 1.0, 1.8], [0.2, 1.8])
+    ]
+    error = np.array([place_error(one, STATED) for one in columns])
     found, taken = [], []
     for seed in range(400):
         rng = np.random.default_rng(seed)
         places = share * np.sqrt(STATED) * rng.standard_normal((5, 3))
         places[3:] += [1.5e-4, -5e-5, 0.0]
-        places += [rng.multivariate_normal(np.zeros(3), one) for one in error]
-        found.append(scatter_between(places, others, STATED, error)[0])
-        taken.append(scatter_between(places, others, STATED, KNOWN)[0])
+        off = [
+            one @ place + rng.standard_normal(len(one)) for one, place in zip(columns, places, strict=True)
+        ]
+        seen = np.array([np.linalg.lstsq(*pair, rcond=None)[0] for pair in zip(columns, off, strict=True)])
+        found.append(scatter_between(seen, others, STATED, error)[0])
+        taken.append(scatter_between(seen, others, STATED, KNOWN)[0])
     found, taken = (np.sqrt(np.array(values) / STATED[0]) for values in (found, taken))
     assert np.mean(found < share * (1.0 - 1e-9)) < 0.09
     assert np.median(found) < 3.0 * share
     assert np.median(taken) > np.median(found) + share
+
+
+def test_a_direction_that_no_point_tells_is_not_told():
+    assert np.all(np.isfinite(place_error(np.zeros((4, 3)), STATED)))
+    assert place_error(hinged(1e-5, 0.2, 1.8), STATED)[0, 0] < 1e-2 * STATED[0]
+    assert place_error(hinged(1e-5, 1.8), STATED)[0, 0] > STATED[0]
+
+
+def hinged(noise, *heights):
+    """What the place of a door does to walls of hinges at heights [m], whitened, shape (n, 3)."""
+    sides = [
+        ([0.0, side * 0.01, z], [0.0, side, 0.0])
+        for side in (-1.0, 1.0)
+        for z in np.linspace(-0.05, 0.05, 30)
+    ]
+    ends = [
+        ([0.0, y, end * 0.05], [0.0, 0.0, end]) for end in (-1.0, 1.0) for y in np.linspace(-0.01, 0.01, 6)
+    ]
+    point, normal = np.moveaxis(np.array(sides + ends), 1, 0)
+    found = [seen_columns(point + np.array([0.0, 0.0, height]), normal, np.zeros(3)) for height in heights]
+    return np.concatenate(found) / noise

@@ -29,7 +29,9 @@ _PAIRS = 4  #: neighbouring doors of one recipe from which on their differences 
 _MEDIAN = 0.6745  #: of the size of a normal number, in standard deviations
 _NEIGHBOURS = 5  #: neighbouring doors of any recipe from which on theirs do
 _BESIDE_STEP = 5  #: doors from which on those on one side of a step tell it
-_UNSEEN = 1e-6  #: share of the localizer's certainty that a door's points tell of its place at least
+#: Share of the stated variance to which a door's points have to tell a direction of its place to tell it at all, and
+#: what stands for the share of one that they do not
+_TOLD, _UNTOLD = 0.1, 1e6
 #: Chance that doors which are too few for either scatter more than they are taken to.
 _UNDERSTATED = 0.05
 
@@ -81,7 +83,7 @@ def door_places(
         free.append(nothing)
         known.append(seen_columns(point, normal, one.T_base_door[:3, 3]) * scale)
         fitted.append(np.linalg.lstsq(known[-1], unexplained[rows], rcond=None)[0])
-        error.append(np.linalg.inv(known[-1].T @ known[-1] + _UNSEEN * np.linalg.inv(one.placing)))
+        error.append(place_error(known[-1], np.diag(one.placing)))
         recipe.append(one.recipe)
     n, anywhere = len(points), block_columns(door, free, len(points))
     placings = [one.placing for one in doors if one.placing is not None]
@@ -121,6 +123,22 @@ def seen_columns(point: FloatArray, normal: FloatArray, corner: FloatArray) -> F
     """
     turned = np.cross(np.eye(3)[0], point - corner)
     return np.column_stack([normal[:, 1], normal[:, 2], np.sum(turned * normal, axis=1)])
+
+
+def place_error(columns: FloatArray, stated: FloatArray) -> FloatArray:
+    """Covariance to which the points of a door tell its place, shape (3, 3).
+
+    A door with one hinge hardly tells where it stands from how it is turned: such a direction counts as not told.
+
+    Args:
+        columns: What its place does to its points, whitened, shape (n, 3).
+        stated: Variances that the localizer states, shape (3,).
+    """
+    size = np.sqrt(stated)
+    told, direction = np.linalg.eigh((columns * size).T @ (columns * size))
+    share = np.where(told > 1.0 / _TOLD, 1.0 / np.maximum(told, 1.0), _UNTOLD)
+    error: FloatArray = np.outer(size, size) * ((direction * share) @ direction.T)
+    return error
 
 
 def scatter_between(
@@ -173,8 +191,7 @@ def _scatter_beside_step(places: FloatArray, stated: FloatArray, error: FloatArr
     """Variance of the places of few doors of any recipes, shape (3,): the stated one by a share, taken high.
 
     The door at which they would scatter least if they stood elsewhere from there on is one of several that it could be
-    (Bonferroni). What is wrong with one recipe more than with another can only make it larger. A door with one feature
-    hardly tells where it stands from how it is turned: what it does not tell is no scatter.
+    (Bonferroni). What is wrong with one recipe more than with another can only make it larger.
 
     Args:
         places: Fitted place of each door, shape (d, 3).
