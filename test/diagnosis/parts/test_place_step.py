@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from doormill_ros.diagnosis.parts.fitting.place_scatter import chance_of_places
 from doormill_ros.diagnosis.parts.fitting.place_step import place_step
-from doormill_ros.diagnosis.parts.fitting.placement import chance_of_places
 from support.shift_worlds import diagnosed, draw_shift, judged
 
 SCATTER = 1e-5  # m, m, rad

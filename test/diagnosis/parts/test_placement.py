@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from doormill_ros.diagnosis.parts.fitting.placement import place_error, scatter_between, seen_columns
+from doormill_ros.diagnosis.parts.fitting.place_scatter import place_error, scatter_between
+from doormill_ros.diagnosis.parts.fitting.placement import seen_columns
 
 STATED = np.array([85e-6, 50e-6, 80e-6]) ** 2
 KNOWN = np.zeros((5, 3, 3))  #: by points all over the door
