@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from doormill_ros.diagnosis.parts.fitting.place_scatter import chance_of_places
 from doormill_ros.diagnosis.parts.fitting.place_step import place_step
-from doormill_ros.diagnosis.parts.fitting.placement import chance_of_places
 from support.shift_worlds import diagnosed, draw_shift, judged
 
 SCATTER = 1e-5  # m, m, rad
@@ -59,11 +59,14 @@ def test_few_doors_show_none(count: int) -> None:
 def test_places_that_scatter_more_than_they_are_taken_to_are_no_chance() -> None:
     rng = np.random.default_rng(44)
     variance = np.full(3, SCATTER**2)
-    chances = [chance_of_places(rng.normal(0.0, SCATTER, (12, 3)), variance) for _ in range(400)]
+    chances = [
+        chance_of_places(rng.normal(0.0, SCATTER, (12, 3)), variance, np.zeros((12, 3, 3)))
+        for _ in range(400)
+    ]
     assert 0.02 <= np.mean(np.array(chances) < 0.05) <= 0.09
     moved = rng.normal(0.0, SCATTER, (5, 3))
     moved[3:, 0] += 1e-4
-    assert chance_of_places(moved, variance) < 1e-6
+    assert chance_of_places(moved, variance, np.zeros((5, 3, 3))) < 1e-6
 
 
 @pytest.mark.parametrize("seed", [875, 896])

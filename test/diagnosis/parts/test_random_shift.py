@@ -9,7 +9,7 @@ from doormill_ros.pipeline.plan import load_setup
 from support.gauged_shift import SCATTER
 from support.random_shift import PLACING, next_doors, random_doors, random_shift
 from support.shift_loop import loop_worth
-from support.shift_worlds import Hidden, judged
+from support.shift_worlds import Hidden, draw_shift, judged
 
 COUNT, STEP = 12, 8
 CHANGES = {
@@ -57,6 +57,15 @@ def test_what_begins_two_doors_before_the_end_of_five_is_found(change, tmp_path)
     world, hidden = LATE[change]
     doors = random_shift(tmp_path, {"seed": 4, **world}, random_doors(1, FEW), 4)
     found = judged(Inspections().diagnose(doors, lambda line: None), (hidden,))
+    assert (found.missed, found.wrong, found.late) == ((), (), ())
+
+
+def test_a_camera_that_moved_with_a_spring_is_found_although_one_door_of_five_has_one_hinge(tmp_path):
+    drawn = draw_shift(314, longest=FEW)
+    doors = random_doors(314, FEW)
+    assert [len(door.recipe.features) for door in doors].count(1) == 1
+    diagnosis = Inspections().diagnose(random_shift(tmp_path, drawn.world, doors, 314), lambda line: None)
+    found = judged(diagnosis, drawn.hidden)
     assert (found.missed, found.wrong, found.late) == ((), (), ())
 
 

@@ -15,11 +15,14 @@ from doormill_ros.diagnosis.parts.correction.warming import growth_told, warmed
 from doormill_ros.diagnosis.parts.effects.case import TOOL
 from doormill_ros.diagnosis.parts.effects.force import ForceScale, ForceTurn
 from doormill_ros.diagnosis.parts.fitting.course import InTime
+from doormill_ros.diagnosis.parts.fitting.moved import moved
 from doormill_ros.diagnosis.parts.fitting.problem import DoorDiagnosis
+from doormill_ros.diagnosis.parts.telling.next_door import PLACES
 from doormill_ros.robot_model.elastic.causes.registry import build_cause
 from doormill_ros.robot_model.elastic.knowledge import MeasuredForce
 from doormill_ros.robot_model.extended_document import model_document
 from doormill_ros.robot_model.extended_model import SizedCause
+from doormill_ros.statistics import root_mean_square
 
 
 def usable(diagnosis: DoorDiagnosis) -> tuple[list[SizedCause], list[str]]:
@@ -60,40 +63,59 @@ def _at_next_door(diagnosis: DoorDiagnosis, finding: Finding[InTime]) -> FloatAr
 def measured_force(diagnosis: DoorDiagnosis) -> MeasuredForce | None:
     """How well the doors tell the process force; None where they do not.
 
-    They do not where something is left that no name explains, or where something else would do as well as a force that
-    is named. Size and direction about the tool go together: of one that is not named, the spread is what a fit leaves
-    to it and what it finds, and what it would have to be to do as well as something that is named. Doors that come out
-    as assumed have measured the force, too.
+    They do not where something is left that no name explains. Size and direction about the tool go together: of one
+    that is not named, the spread is what a fit leaves to it and what it finds. Where something else would do as well as
+    a force, `_doubt` adds to that of the size. Doors that come out as assumed have measured the force, too.
     """
     if diagnosis.verdict == UNEXPLAINED:
         return None
+    doubt = _doubt(diagnosis)
+    if doubt is None:
+        return None
     problem, best = diagnosis.problem, diagnosis.examination.best
-    forces = (ForceScale.name, ForceTurn.name)
     named = {finding.cause.name: finding for finding in diagnosis.findings if finding.cause.where == TOOL}
-    instead = dict.fromkeys(forces, 0.0)
-    for finding in diagnosis.findings:
-        if finding.confusable and finding.cause.name in forces:
-            return None
-        for equal in finding.equals:
-            if equal.cause.name not in forces:
-                continue
-            if equal.model is None:
-                return None
-            size = float(np.max(np.abs(equal.model.theta[equal.model.part(equal.cause)])))
-            instead[equal.cause.name] = max(instead[equal.cause.name], size)
     spreads = []
     for effect in (ForceScale(TOOL), ForceTurn(TOOL)):
         if effect.name in named:
-            spreads.append(float(np.hypot(named[effect.name].std[0], instead[effect.name])))
+            spreads.append(float(named[effect.name].std[0]))
             continue
         beside = InTime(effect)
         found = fit(problem, [*best.members, beside], [np.append(best.theta, 0.0)])
         noise = max(1.0, float(np.mean(best.prediction.cost[best.weights > 0.0])) / problem.components)
         variance = noise * found.covariance[-1, -1] + found.theta[-1] ** 2
-        spreads.append(float(np.sqrt(variance + instead[effect.name] ** 2)))
+        spreads.append(float(np.sqrt(variance)))
     loaded = np.linalg.norm(problem.case.load.force, axis=1) > 0.0
     kinds = tuple(str(kind) for kind in np.unique(problem.points.kind[loaded]))
-    return MeasuredForce(kinds, *spreads)
+    return MeasuredForce(kinds, float(np.hypot(spreads[0], doubt)), spreads[1])
+
+
+def _doubt(diagnosis: DoorDiagnosis) -> float | None:
+    """Share of the force that is in doubt where something else would do as well; None where nobody knows how much.
+
+    Which of them it is, the next doors do not ask. What counts is how differently the models move points wherever the
+    tool cut, as they do since the last change; in few places, where that says little of others, how different a force
+    they have.
+    """
+    problem, best = diagnosis.problem, diagnosis.examination.best
+    others = [
+        equal.model
+        for finding in diagnosis.findings
+        for equal in finding.equals
+        if {finding.cause.name, equal.cause.name} & {ForceScale.name, ForceTurn.name}
+    ]
+    displaced, loaded = moved(problem.case, best.members, best.theta)
+    doubt = 0.0
+    for model in others:
+        if model is None:
+            return None
+        steps = [member.course.at for member in (*best.members, *model.members) if member.course.steps]
+        since = problem.case.time >= max(steps, default=-np.inf)
+        displaced_so, loaded_so = moved(problem.case, model.members, model.theta)
+        apart, size = displaced_so - displaced, problem.case.springs()
+        if problem.places < PLACES:
+            apart, size = loaded_so.load.force - loaded.load.force, problem.case.load.force
+        doubt = max(doubt, root_mean_square(apart[since]) / root_mean_square(size[since]))
+    return doubt
 
 
 def door_model_document(diagnosis: DoorDiagnosis, source: str) -> dict[str, Any]:

@@ -2,9 +2,7 @@
 
 A door measured against itself may have stood anywhere. One measured against its recorded pose stood where the localizer
 says, within the covariance that it states: part of that is common to all doors (the calibration), the rest differs
-from door to door. How large the rest is shows between neighbouring doors: of one recipe, whatever else is wrong with
-it, or of any, where nothing is wrong with one recipe more than with another; of few, between those on one side of a
-step.
+from door to door, as far as they scatter.
 """
 
 from __future__ import annotations
@@ -17,19 +15,10 @@ import numpy as np
 from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.diagnosis.parts.doors.cut_points import CutPoints
 from doormill_ros.diagnosis.parts.doors.gauged_door import GaugedDoor
+from doormill_ros.diagnosis.parts.fitting.place_scatter import chance_of_places, place_error, scatter_between
 from doormill_ros.diagnosis.parts.fitting.place_step import place_step
-from doormill_ros.distributions import chi2_ppf, chi2_sf
 
 APART = 0.05  #: between places of the cell that count as two, on a joint's way over the door [m]
-_QUARTILE = 0.3186  #: lower quartile of the size of a normal number, in standard deviations
-#: Share of the stated variance that is scatter at least: a few differences may be small by chance
-_LEAST = 0.01
-_PAIRS = 4  #: neighbouring doors of one recipe from which on their differences tell the scatter
-_MEDIAN = 0.6745  #: of the size of a normal number, in standard deviations
-_NEIGHBOURS = 5  #: neighbouring doors of any recipe from which on theirs do
-_BESIDE_STEP = 5  #: doors from which on those on one side of a step tell it
-#: Chance that doors which are too few for either scatter more than they are taken to.
-_UNDERSTATED = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +56,7 @@ def door_places(
     """
     free: list[FloatArray] = []
     known: list[FloatArray] = []
-    fitted, recipe = [], []
+    fitted, error, recipe = [], [], []
     for number, one in enumerate(doors):
         rows = door == number
         point, normal, nothing = points.point[rows], points.normal[rows], np.zeros((rows.sum(), 0))
@@ -79,13 +68,14 @@ def door_places(
         free.append(nothing)
         known.append(seen_columns(point, normal, one.T_base_door[:3, 3]) * scale)
         fitted.append(np.linalg.lstsq(known[-1], unexplained[rows], rcond=None)[0])
+        error.append(place_error(known[-1], np.diag(one.placing)))
         recipe.append(one.recipe)
     n, anywhere = len(points), block_columns(door, free, len(points))
     placings = [one.placing for one in doors if one.placing is not None]
     if not placings:
         return DoorPlaces(np.zeros((n, 0)), anywhere)
-    stated, places = np.mean(placings, axis=0), np.array(fitted)
-    own = scatter_between(places, recipe, np.diag(stated))
+    stated, places, errors = np.mean(placings, axis=0), np.array(fitted), np.array(error)
+    own = scatter_between(places, recipe, np.diag(stated), errors)
     value, vector = np.linalg.eigh(stated - np.diag(own))
     shared = vector * np.sqrt(np.maximum(value, 0.0))  # the same for all doors
     each, together = [], np.zeros((n, 3))
@@ -96,7 +86,7 @@ def door_places(
     return DoorPlaces(
         np.hstack([block_columns(door, each, n), together]),
         anywhere,
-        chance_of_places(places, own),
+        chance_of_places(places, own, errors),
         place_step(places, recipe) if len(places) == len(doors) else 0,
     )
 
@@ -118,80 +108,6 @@ def seen_columns(point: FloatArray, normal: FloatArray, corner: FloatArray) -> F
     """
     turned = np.cross(np.eye(3)[0], point - corner)
     return np.column_stack([normal[:, 1], normal[:, 2], np.sum(turned * normal, axis=1)])
-
-
-def scatter_between(places: FloatArray, recipe: Sequence[str], stated: FloatArray) -> FloatArray:
-    """Variance of the places from door to door, at most what is stated, shape (3,).
-
-    Args:
-        places: Fitted place of each door, in order, shape (d, 3).
-        recipe: What each of them is.
-        stated: Variances that the localizer states, shape (3,).
-    """
-    recipes = np.array(recipe)
-    found = np.concatenate([np.diff(places[recipes == name], axis=0) for name in dict.fromkeys(recipe)])
-    variance = [stated]
-    if len(found) >= _PAIRS:
-        # The lower quartile of their sizes: one step in a short shift shows in as many of them as there are recipes.
-        variance.append((np.quantile(np.abs(found), 0.25, axis=0) / _QUARTILE) ** 2 / 2.0)
-    if len(places) > _NEIGHBOURS:
-        # A step shows in one of these, what is wrong with one recipe in most: either can only make them larger.
-        steps = np.abs(np.diff(places, axis=0))
-        variance.append((np.median(steps, axis=0) / _MEDIAN) ** 2 / 2.0)
-    few = len(variance) == 1
-    if few and len(found) >= 2:
-        variance.append(_scatter_of_few(found, stated))
-    if few and len(places) >= _BESIDE_STEP:
-        variance.append(_scatter_beside_step(places, stated))
-    result: FloatArray = np.maximum(np.min(variance, axis=0), _LEAST * stated)
-    return result
-
-
-def _scatter_of_few(pairs: FloatArray, stated: FloatArray) -> FloatArray:
-    """Variance of the places of very few doors, shape (3,): the stated one by a share, taken high.
-
-    Two recipes that were both milled before and after a step show it alike: how differently they changed tells the
-    scatter, of four doors at once. A step that only one of them shows can only make it larger.
-
-    Args:
-        pairs: Differences between neighbouring doors of one recipe, two or more, shape (p, 3).
-        stated: Variances that the localizer states, shape (3,).
-    """
-    count = len(pairs) // 2
-    apart = (pairs[0 : 2 * count : 2] - pairs[1 : 2 * count : 2]) / np.sqrt(stated)
-    share = np.sum(apart**2) / 4.0 / chi2_ppf(_UNDERSTATED, apart.size)
-    return np.asarray(share * stated)
-
-
-def _scatter_beside_step(places: FloatArray, stated: FloatArray) -> FloatArray:
-    """Variance of the places of few doors of any recipes, shape (3,): the stated one by a share, taken high.
-
-    The door at which they would scatter least if they stood elsewhere from there on is one of several that it could be
-    (Bonferroni). What is wrong with one recipe more than with another can only make it larger.
-
-    Args:
-        places: Fitted place of each door, shape (d, 3).
-        stated: Variances that the localizer states, shape (3,).
-    """
-    size = places / np.sqrt(stated)
-    within = [
-        sum(float(np.sum((side - side.mean(axis=0)) ** 2)) for side in (size[:step], size[step:]))
-        for step in range(1, len(size))
-    ]
-    free = (len(size) - 2) * size.shape[1]
-    share = min(within) / chi2_ppf(_UNDERSTATED / len(within), free)
-    return np.asarray(share * stated)
-
-
-def chance_of_places(places: FloatArray, variance: FloatArray) -> float:
-    """Probability that places scatter as they do, or more, by the variance that they are taken to have.
-
-    Args:
-        places: Fitted place of each door, shape (d, 3).
-        variance: From door to door, shape (3,).
-    """
-    away = places - places.mean(axis=0)
-    return chi2_sf(np.sum(away**2 / variance), max(len(places) - 1, 1) * places.shape[1])
 
 
 def block_columns(rows: IntArray, blocks: Sequence[FloatArray], n: int) -> FloatArray:
