@@ -14,6 +14,8 @@ MODULE DoorCell
     CONST bool ORDER_REQUIRED:=TRUE;
     ! TRUE for the path without the spindle, in manual mode and with an open guard: no door is milled by it.
     PERS bool dryRun:=FALSE;
+    ! What it was when the path in hand was accepted.
+    VAR bool dryDoor:=FALSE;
     ! What giDoorNumber means, for a line control that names the door by a number from 1.
     PERS string doorNumbers{32}:=["","","","","","","","","","","","","","","","",
         "","","","","","","","","","","","","","","",""];

@@ -89,7 +89,7 @@ MODULE DoorStop
         ISleep spindleLost;
         CONNECT doorReleased WITH OnDoorReleased;
         ISignalDI diDoorClamped,0,doorReleased;
-        IF NOT dryRun THEN
+        IF NOT dryDoor THEN
             CONNECT guardOpened WITH OnGuardOpened;
             ISignalDI diGuardClosed,0,guardOpened;
         ENDIF
@@ -108,7 +108,7 @@ MODULE DoorStop
         ! Another speed for the spindle, watched from then on.
         VAR num reason;
 
-        IF dryRun THEN
+        IF dryDoor THEN
             IF OpMode()=OP_AUTO THEN
                 EndDoor TXT_DRY_RUN,"";
             ENDIF
