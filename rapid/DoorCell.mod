@@ -8,7 +8,7 @@ MODULE DoorCell
     PERS wobjdata wobjDoor:=[FALSE,TRUE,"",[[0,0,0],[1,0,0,0]],[[0,0,0],[1,0,0,0]]];
     ! Tool tip more than 300 mm in front of any door, axis 5 away from straight.
     CONST jointtarget jposHome:=[[0,-40,30,0,10,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
-    ! Axes this close to jposHome count as home [deg].
+    ! Axes this close to jposHome count as home [deg]; a path begins at jposHome itself.
     CONST num HOME_TOLERANCE:=1;
     ! FALSE for a PC that raises doPathReady and announces no run: a file is then known by its door alone.
     CONST bool ORDER_REQUIRED:=TRUE;
@@ -41,6 +41,13 @@ MODULE DoorCell
 
     PROC GoHome()
         MoveAbsJ jposHome,v500,fine,toolMill\WObj:=wobjDoor;
+    ENDPROC
+
+    PROC BeginAtHome()
+        ! From a place that counts as home to where the first way was planned from: a degree is more than its clearance.
+        IF NOT NearJoints(CJointT(),jposHome,HOME_AGREES) THEN
+            MoveAbsJ jposHome,SPEED_CLEAR,fine,toolMill\WObj:=wobjDoor;
+        ENDIF
     ENDPROC
 
     FUNC bool AtHome()

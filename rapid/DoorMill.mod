@@ -87,6 +87,7 @@ MODULE DoorMill
     ENDPROC
 
     LOCAL PROC MillMoves()
+        BeginAtHome;
         FOR i FROM 1 TO moveCount DO
             IF moves{i}.spindle<>spindleSpeed THEN
                 ! The motion before ended in a stop point, see ZoneBetween.
