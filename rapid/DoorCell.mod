@@ -24,6 +24,8 @@ MODULE DoorCell
     ! Longest time to come to speed, and for diSpindleAtSpeed to fall after another speed was set [s].
     CONST num SPINDLE_TIMEOUT:=10;
     CONST num SPINDLE_FALL_TIMEOUT:=2;
+    ! Longest time for the spindle to come to rest [s]: one without a brake coasts. Measure it and add a half.
+    CONST num REST_TIMEOUT:=90;
     ! Speeds of the way back: out of the wood, in front of the feature, home [mm/s].
     CONST speeddata SPEED_OUT:=[20,100,5000,1000];
     CONST speeddata SPEED_CLEAR:=[100,100,5000,1000];
@@ -100,10 +102,10 @@ MODULE DoorCell
         VAR bool late;
         VAR num answer;
 
-        WaitDI diSpindleStopped,1\MaxTime:=SPINDLE_TIMEOUT\TimeFlag:=late;
+        WaitDI diSpindleStopped,1\MaxTime:=REST_TIMEOUT\TimeFlag:=late;
         WHILE late DO
             answer:=Ask(TXT_SPINDLE_TURNS,TXT_WAIT_REST,TXT_OK,0);
-            WaitDI diSpindleStopped,1\MaxTime:=SPINDLE_TIMEOUT\TimeFlag:=late;
+            WaitDI diSpindleStopped,1\MaxTime:=REST_TIMEOUT\TimeFlag:=late;
         ENDWHILE
     ENDPROC
 

@@ -25,8 +25,9 @@ MODULE DoorTool
     CONST num GAUGE_PRESSED:=10;
     CONST num GAUGE_SETTLES:=0.2;
     CONST speeddata SPEED_RACK:=[200,100,5000,1000];
-    ! Longest time for the spindle to come to rest and for the drawbar to open or close [s].
-    CONST num REST_TIMEOUT:=10;
+    ! Pressed by more while nothing stands in front of it, it is stuck [mm].
+    CONST num GAUGE_REST:=0.5;
+    ! Longest time for the drawbar to open or close [s].
     CONST num DRAWBAR_TIMEOUT:=3;
 
     CONST num CELL_TOOL:=1;
@@ -169,9 +170,18 @@ MODULE DoorTool
         off:=aiToolGauge-GAUGE_PRESSED;
         MoveL front,SPEED_RACK,fine,toolMill\WObj:=wobjDoor;
         WaitRob\InPos;
+        CheckGauge;
         LeaveRack;
         IF NOT KeepLength(place,toolLengths{place}+off) THEN
             EndDoor TXT_TOOL_LENGTH,NumToStr(toolLengths{place}+off,2);
+        ENDIF
+    ENDPROC
+
+    LOCAL PROC CheckGauge()
+        ! In front of it: one that is stuck reads the same with every tool.
+        IF Abs(aiToolGauge)>GAUGE_REST THEN
+            LeaveRack;
+            EndDoor TXT_GAUGE,NumToStr(aiToolGauge,2);
         ENDIF
     ENDPROC
 
