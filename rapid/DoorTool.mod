@@ -33,10 +33,10 @@ MODULE DoorTool
     CONST num CELL_TOOL:=1;
     CONST num NO_TOOL:=0;
     CONST num TOOL_UNKNOWN:=-1;
-    ! Place of the tool in the spindle.
-    PERS num toolPlace:=1;
+    ! Place of the tool in the spindle. Modules that were just loaded know neither it nor its length.
+    PERS num toolPlace:=-1;
     ! Its length was measured, and toolMill holds it.
-    PERS bool toolMeasured:=TRUE;
+    PERS bool toolMeasured:=FALSE;
     ! Between the front of a place and its seat.
     PERS bool atRack:=FALSE;
 
@@ -44,6 +44,11 @@ MODULE DoorTool
     LOCAL VAR num plannedTool:=0;
     LOCAL VAR num plannedPoint:=0;
     LOCAL VAR bool plannedMeasured:=FALSE;
+
+    PROC ForgetTool()
+        toolPlace:=TOOL_UNKNOWN;
+        toolMeasured:=FALSE;
+    ENDPROC
 
     FUNC bool IsRackWork(string kind)
         RETURN kind="P" OR kind="T" OR kind="M";
@@ -164,6 +169,8 @@ MODULE DoorTool
         VAR robtarget front;
         VAR num off;
 
+        toolMeasured:=FALSE;
+        CheckGauge;
         front:=CRobT(\Tool:=toolMill\WObj:=wobjDoor);
         MoveL RelTool(front,0,0,GAUGE_DEPTH),SPEED_RACK,fine,toolMill\WObj:=wobjDoor;
         WaitTime\InPos,GAUGE_SETTLES;
