@@ -8,12 +8,14 @@ MODULE DoorCell
     PERS wobjdata wobjDoor:=[FALSE,TRUE,"",[[0,0,0],[1,0,0,0]],[[0,0,0],[1,0,0,0]]];
     ! Tool tip more than 300 mm in front of any door, axis 5 away from straight.
     CONST jointtarget jposHome:=[[0,-40,30,0,10,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
-    ! Axes this close to jposHome count as home [deg].
+    ! Axes this close to jposHome count as home [deg]; a path begins at jposHome itself.
     CONST num HOME_TOLERANCE:=1;
     ! FALSE for a PC that raises doPathReady and announces no run: a file is then known by its door alone.
     CONST bool ORDER_REQUIRED:=TRUE;
     ! TRUE for the path without the spindle, in manual mode and with an open guard: no door is milled by it.
     PERS bool dryRun:=FALSE;
+    ! What it was when the path in hand was accepted.
+    VAR bool dryDoor:=FALSE;
     ! What giDoorNumber means, for a line control that names the door by a number from 1.
     PERS string doorNumbers{32}:=["","","","","","","","","","","","","","","","",
         "","","","","","","","","","","","","","","",""];
@@ -22,6 +24,8 @@ MODULE DoorCell
     ! Longest time to come to speed, and for diSpindleAtSpeed to fall after another speed was set [s].
     CONST num SPINDLE_TIMEOUT:=10;
     CONST num SPINDLE_FALL_TIMEOUT:=2;
+    ! Longest time for the spindle to come to rest [s]: one without a brake coasts. Measure it and add a half.
+    CONST num REST_TIMEOUT:=90;
     ! Speeds of the way back: out of the wood, in front of the feature, home [mm/s].
     CONST speeddata SPEED_OUT:=[20,100,5000,1000];
     CONST speeddata SPEED_CLEAR:=[100,100,5000,1000];
@@ -39,6 +43,13 @@ MODULE DoorCell
 
     PROC GoHome()
         MoveAbsJ jposHome,v500,fine,toolMill\WObj:=wobjDoor;
+    ENDPROC
+
+    PROC BeginAtHome()
+        ! From a place that counts as home to where the first way was planned from: a degree is more than its clearance.
+        IF NOT NearJoints(CJointT(),jposHome,HOME_AGREES) THEN
+            MoveAbsJ jposHome,SPEED_CLEAR,fine,toolMill\WObj:=wobjDoor;
+        ENDIF
     ENDPROC
 
     FUNC bool AtHome()
@@ -91,10 +102,10 @@ MODULE DoorCell
         VAR bool late;
         VAR num answer;
 
-        WaitDI diSpindleStopped,1\MaxTime:=SPINDLE_TIMEOUT\TimeFlag:=late;
+        WaitDI diSpindleStopped,1\MaxTime:=REST_TIMEOUT\TimeFlag:=late;
         WHILE late DO
             answer:=Ask(TXT_SPINDLE_TURNS,TXT_WAIT_REST,TXT_OK,0);
-            WaitDI diSpindleStopped,1\MaxTime:=SPINDLE_TIMEOUT\TimeFlag:=late;
+            WaitDI diSpindleStopped,1\MaxTime:=REST_TIMEOUT\TimeFlag:=late;
         ENDWHILE
     ENDPROC
 

@@ -10,6 +10,9 @@ MODULE DoorFile
     CONST num FILE_VERSION:=2;
     ! The file's home and jposHome are the same so far [deg].
     CONST num HOME_AGREES:=0.01;
+    ! So far may the tip of the file's tool be from that of toolMill along each axis, and turned [mm, deg].
+    CONST num TOOL_AGREES:=0.5;
+    CONST num TOOL_TURN:=0.5;
     CONST num MAX_SPEED:=7000;
     CONST num MAX_CF:=4;
     CONST num MAX_CFX:=7;
@@ -138,6 +141,7 @@ MODULE DoorFile
         IF NOT NearJoints(PointAfter("#home "),jposHome,HOME_AGREES) THEN
             Refuse TXT_HOME;
         ENDIF
+        ReadTool;
         IF NumberAfter("#targets ")<>targetCount THEN
             Refuse TXT_TARGET_COUNT;
         ENDIF
@@ -167,6 +171,35 @@ MODULE DoorFile
         ENDIF
         CheckSum;
     ENDPROC
+
+    LOCAL PROC ReadTool()
+        ! A file that does not say it is of a PC that knows another form.
+        VAR pose tool;
+
+        IF NOT Begins(lineText,"#tool ") THEN
+            Refuse TXT_TOOL;
+        ENDIF
+        IF NOT StrToVal(TextAfter("#tool "),tool) THEN
+            Refuse TXT_NO_NUMBER;
+        ENDIF
+        IF NOT SameTool(tool,toolMill.tframe) THEN
+            Refuse TXT_TOOL;
+        ENDIF
+    ENDPROC
+
+    LOCAL FUNC bool SameTool(pose a,pose b)
+        VAR pos off;
+        VAR num turn;
+
+        off:=a.trans-b.trans;
+        ! Of one orientation q and -q; rounding takes it beyond 1.
+        turn:=Abs(a.rot.q1*b.rot.q1+a.rot.q2*b.rot.q2+a.rot.q3*b.rot.q3+a.rot.q4*b.rot.q4);
+        IF turn>1 THEN
+            turn:=1;
+        ENDIF
+        RETURN Abs(off.x)<=TOOL_AGREES AND Abs(off.y)<=TOOL_AGREES AND Abs(off.z)<=TOOL_AGREES AND
+            2*ACos(turn)<=TOOL_TURN;
+    ENDFUNC
 
     LOCAL PROC ReadPoints()
         pointCount:=CountAfter("#points ",MAX_POINTS);

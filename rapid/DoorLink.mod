@@ -31,16 +31,22 @@ MODULE DoorLink
     PERS num requestNumber:=0;
 
     LOCAL VAR num numberBefore:=0;
+    LOCAL VAR bool recalled:=FALSE;
     LOCAL VAR iodev note;
     LOCAL VAR bool noteOpen:=FALSE;
 
     PROC RecallRuns()
-        ! PERS are new after the module was loaded anew; the files are not.
-        VAR num number;
+        ! PERS are new after the modules were loaded anew, or as old as the files they were saved into. Doors and tools
+        ! change after a request only: whose number is another one than the one in HOME has missed some.
+        VAR num number:=0;
 
-        IF requestNumber=0 THEN
-            IF StrToVal(FirstLine(REQUEST_FILE),number) THEN
-                requestNumber:=number;
+        IF NOT recalled THEN
+            recalled:=TRUE;
+            IF NOT StrToVal(FirstLine(REQUEST_FILE),number) THEN
+                number:=0;
+            ENDIF
+            IF number<>requestNumber THEN
+                LoseMemory number;
             ENDIF
         ENDIF
         FOR i FROM 1 TO Dim(seenRuns,1) DO
@@ -49,6 +55,20 @@ MODULE DoorLink
             ENDIF
         ENDFOR
         ReadRuns;
+    ENDPROC
+
+    LOCAL PROC LoseMemory(num number)
+        IF number>0 THEN
+            requestNumber:=number;
+        ENDIF
+        ForgetDoor;
+        ForgetTool;
+        IF IsFile("HOME:/"+SEEN_FILE) THEN
+            FOR i FROM 1 TO Dim(seenRuns,1) DO
+                seenRuns{i}:="";
+            ENDFOR
+            seenNext:=1;
+        ENDIF
     ENDPROC
 
     FUNC string LastRun()

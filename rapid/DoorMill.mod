@@ -61,6 +61,8 @@ MODULE DoorMill
             RETURN FALSE;
         ENDIF
         stopReason:=0;
+        ! Whoever sets it later does so for the next path: this one moves on as it began, watched as it began.
+        dryDoor:=dryRun;
         SetOff;
         BeginEscape 1;
         EndEscape TRUE;
@@ -85,6 +87,7 @@ MODULE DoorMill
     ENDPROC
 
     LOCAL PROC MillMoves()
+        BeginAtHome;
         FOR i FROM 1 TO moveCount DO
             IF moves{i}.spindle<>spindleSpeed THEN
                 ! The motion before ended in a stop point, see ZoneBetween.
@@ -109,7 +112,7 @@ MODULE DoorMill
     LOCAL PROC MillMove(moverow row,zonedata zone)
         VAR speeddata speed;
 
-        IF row.cutting AND (NOT dryRun) AND (row.spindle<>spindleSpeed OR diSpindleAtSpeed=0) THEN
+        IF row.cutting AND (NOT dryDoor) AND (row.spindle<>spindleSpeed OR diSpindleAtSpeed=0) THEN
             EndDoor TXT_SPINDLE_LOST,"";
         ENDIF
         ! Reorientation and axis speeds of the predefined speeds, feed from the file.
@@ -192,7 +195,7 @@ MODULE DoorMill
         BeginEscape 1;
         EndEscape TRUE;
         GoHome;
-        IF dryRun THEN
+        IF dryDoor THEN
             EndDoor TXT_DRY_RUN,"";
         ENDIF
         doorInHand:=FALSE;

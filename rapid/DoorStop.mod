@@ -9,8 +9,9 @@ MODULE DoorStop
 
     ! From the acceptance of a path until the robot is home again.
     PERS bool doorInHand:=FALSE;
-    ! From the acceptance until the clamp opened: this door is never asked for again.
-    PERS bool doorSpent:=FALSE;
+    ! From the acceptance until the clamp opened: this door is never asked for again. So is one that a program without
+    ! a memory finds in the clamp: it may be half milled.
+    PERS bool doorSpent:=TRUE;
     ! Number of the text that says why the door in hand ended, 0 while it goes on.
     PERS num stopReason:=0;
     VAR string stopDetail:="";
@@ -89,7 +90,7 @@ MODULE DoorStop
         ISleep spindleLost;
         CONNECT doorReleased WITH OnDoorReleased;
         ISignalDI diDoorClamped,0,doorReleased;
-        IF NOT dryRun THEN
+        IF NOT dryDoor THEN
             CONNECT guardOpened WITH OnGuardOpened;
             ISignalDI diGuardClosed,0,guardOpened;
         ENDIF
@@ -108,7 +109,7 @@ MODULE DoorStop
         ! Another speed for the spindle, watched from then on.
         VAR num reason;
 
-        IF dryRun THEN
+        IF dryDoor THEN
             IF OpMode()=OP_AUTO THEN
                 EndDoor TXT_DRY_RUN,"";
             ENDIF
@@ -164,6 +165,15 @@ MODULE DoorStop
         stoppedKnown:=FALSE;
         underWay:=TRUE;
         motionsLeft:=TRUE;
+    ENDPROC
+
+    PROC ForgetDoor()
+        ! Nobody knows what is in the clamp, nor a way home.
+        doorSpent:=TRUE;
+        nameTaken:=TRUE;
+        ForgetName;
+        escapeKnown:=FALSE;
+        stoppedKnown:=FALSE;
     ENDPROC
 
     LOCAL PROC NoteStop(num reason)

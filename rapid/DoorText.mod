@@ -81,8 +81,10 @@ MODULE DoorText
     CONST num TXT_TOOL_LOOSE:=71;
     CONST num TXT_WAIT_REST:=72;
     CONST num TXT_DRY_RUN:=73;
+    CONST num TXT_TOOL:=74;
+    CONST num TXT_GAUGE:=75;
 
-    LOCAL CONST num TEXTS:=73;
+    LOCAL CONST num TEXTS:=75;
     LOCAL CONST num LANGUAGES:=3;
     LOCAL CONST string TABLE{TEXTS,LANGUAGES}:=[
         ["Door milling",
@@ -303,7 +305,13 @@ MODULE DoorText
         "Hold spennet lukket til den staar."],
         ["Dry run in manual mode: no door is milled.",
         "Trockenlauf von Hand: nichts wird gefraest.",
-        "Toerrkjoering for haand: ingen doer freses."]];
+        "Toerrkjoering for haand: ingen doer freses."],
+        ["The target file has another tool.",
+        "Anderes Werkzeug in der Zieldatei.",
+        "Maalfilen har et annet verktoey."],
+        ["Nothing presses the gauge, yet it reads [mm]:",
+        "Messtaster ist frei und zeigt doch [mm]:",
+        "Maaleren er fri, men viser [mm]:"]];
 
     FUNC string Text(num number)
         IF language<1 OR language>LANGUAGES THEN

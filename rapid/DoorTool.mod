@@ -25,17 +25,18 @@ MODULE DoorTool
     CONST num GAUGE_PRESSED:=10;
     CONST num GAUGE_SETTLES:=0.2;
     CONST speeddata SPEED_RACK:=[200,100,5000,1000];
-    ! Longest time for the spindle to come to rest and for the drawbar to open or close [s].
-    CONST num REST_TIMEOUT:=10;
+    ! Pressed by more while nothing stands in front of it, it is stuck [mm].
+    CONST num GAUGE_REST:=0.5;
+    ! Longest time for the drawbar to open or close [s].
     CONST num DRAWBAR_TIMEOUT:=3;
 
     CONST num CELL_TOOL:=1;
     CONST num NO_TOOL:=0;
     CONST num TOOL_UNKNOWN:=-1;
-    ! Place of the tool in the spindle.
-    PERS num toolPlace:=1;
+    ! Place of the tool in the spindle. Modules that were just loaded know neither it nor its length.
+    PERS num toolPlace:=-1;
     ! Its length was measured, and toolMill holds it.
-    PERS bool toolMeasured:=TRUE;
+    PERS bool toolMeasured:=FALSE;
     ! Between the front of a place and its seat.
     PERS bool atRack:=FALSE;
 
@@ -43,6 +44,11 @@ MODULE DoorTool
     LOCAL VAR num plannedTool:=0;
     LOCAL VAR num plannedPoint:=0;
     LOCAL VAR bool plannedMeasured:=FALSE;
+
+    PROC ForgetTool()
+        toolPlace:=TOOL_UNKNOWN;
+        toolMeasured:=FALSE;
+    ENDPROC
 
     FUNC bool IsRackWork(string kind)
         RETURN kind="P" OR kind="T" OR kind="M";
@@ -163,15 +169,26 @@ MODULE DoorTool
         VAR robtarget front;
         VAR num off;
 
+        toolMeasured:=FALSE;
+        CheckGauge;
         front:=CRobT(\Tool:=toolMill\WObj:=wobjDoor);
         MoveL RelTool(front,0,0,GAUGE_DEPTH),SPEED_RACK,fine,toolMill\WObj:=wobjDoor;
         WaitTime\InPos,GAUGE_SETTLES;
         off:=aiToolGauge-GAUGE_PRESSED;
         MoveL front,SPEED_RACK,fine,toolMill\WObj:=wobjDoor;
         WaitRob\InPos;
+        CheckGauge;
         LeaveRack;
         IF NOT KeepLength(place,toolLengths{place}+off) THEN
             EndDoor TXT_TOOL_LENGTH,NumToStr(toolLengths{place}+off,2);
+        ENDIF
+    ENDPROC
+
+    LOCAL PROC CheckGauge()
+        ! In front of it: one that is stuck reads the same with every tool.
+        IF Abs(aiToolGauge)>GAUGE_REST THEN
+            LeaveRack;
+            EndDoor TXT_GAUGE,NumToStr(aiToolGauge,2);
         ENDIF
     ENDPROC
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -143,7 +144,9 @@ class AbbBridge(ManagedNode):
         self._ready = self.publisher(topics.ABB_READY)
         self._file = self.publisher(topics.ABB_TARGET_FILE)
         self._shown: tuple[bool, bool] | None = None
-        sensors = chosen_sensors(load_layout(), self.value(SENSORS_PARAMETER.name))
+        layout = load_layout()
+        self._T_flange_tool = layout.T_flange_tool
+        sensors = chosen_sensors(layout, self.value(SENSORS_PARAMETER.name))
         transport = open_transport(self.value("transport"), self._transport_options())
         if caution := caution_of(self.value("transport")):
             self.get_logger().warning(caution)
@@ -219,7 +222,9 @@ class AbbBridge(ManagedNode):
             AbbError: The targets cannot be written, the controller can take no file, or the handshake does not.
         """
         self._monitor.require_fit()
-        data = render_target_file(program_of(message), message.run_id)
+        # The message does not carry the tool; path generator and bridge read the same cell.yaml.
+        program = replace(program_of(message), tool=self._T_flange_tool)
+        data = render_target_file(program, message.run_id)
         self.handshake.submit(message.run_id, message.door_id, data, request_number)
         return data
 

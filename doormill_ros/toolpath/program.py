@@ -115,6 +115,7 @@ class MillingProgram:
         home: Where the program begins and ends, shape (6,) [rad]; None in a program of targets alone.
         escapes: For each of `features` its points of the way home from there. The first is the posture in front of
             the feature, to which the tool is drawn straight back; after the last one comes home.
+        tool: T_flange_tool of the tool whose tip the targets are of, shape (4, 4); None where nobody has told it.
     """
 
     door_id: str
@@ -124,6 +125,7 @@ class MillingProgram:
     points: tuple[FloatArray, ...] = ()
     home: FloatArray | None = None
     escapes: tuple[range, ...] = ()
+    tool: FloatArray | None = None
 
     @functools.cached_property
     def features(self) -> tuple[str, ...]:

@@ -24,6 +24,7 @@ PROGRAM = MillingProgram(
     points=(_NOTHING,),
     home=_NOTHING,
     escapes=(range(1),),
+    tool=_POSE,
 )
 
 

@@ -24,6 +24,7 @@ from doormill_ros.abb.target_file.checksum import checksum
 from doormill_ros.abb.target_file.line import TargetLine, format_lines, parse_lines
 from doormill_ros.abb.target_file.trailer import (
     MARK,
+    TOOL,
     Trailer,
     TrailerReader,
     format_trailer,
@@ -52,6 +53,7 @@ class TargetFile:
         points: Joint angles that MoveAbsJ passes, each of shape (6,) [rad].
         home: Where the program begins and ends, shape (6,) [rad]; None without trailer.
         escapes: Points of the way home from each feature.
+        tool: T_flange_tool, shape (4, 4); None in a file that does not say it.
     """
 
     targets: tuple[TargetLine, ...]
@@ -62,6 +64,7 @@ class TargetFile:
     points: tuple[FloatArray, ...] = ()
     home: FloatArray | None = None
     escapes: tuple[range, ...] = ()
+    tool: FloatArray | None = None
 
     def check_for(self, door_id: str, seen_runs: tuple[str, ...] = ()) -> None:
         """Refuse a file for another door or of a run that was executed before.
@@ -114,10 +117,20 @@ def render_target_file(program: MillingProgram, run_id: str) -> bytes:
         program.points,
         program.escapes,
         program.motions,
+        program.tool,
     )
-    lines += format_trailer(trailer)
-    a, b = checksum(lines)
-    return _join([*lines, f"{MARK}sum [{a},{b}]"])
+    return _signed(lines + format_trailer(trailer))
+
+
+def says_tool(data: bytes) -> bool:
+    """Whether a file says its tool."""
+    return f"\n{MARK}{TOOL} ".encode("ascii") in data
+
+
+def without_tool(data: bytes) -> bytes:
+    """A file as it was written before files said their tool."""
+    lines = data.decode("ascii").splitlines()[:-1]
+    return _signed([line for line in lines if not line.startswith(f"{MARK}{TOOL} ")])
 
 
 def write_target_file(path: Path, data: bytes, make_folder: bool = False) -> None:
@@ -205,6 +218,7 @@ def read_target_file(data: bytes, *, trailer: bool = True) -> TargetFile:
         found.points,
         found.home,
         found.escapes,
+        found.tool,
     )
 
 
@@ -228,6 +242,12 @@ def check_handover(data: bytes, run_id: str, door_id: str) -> None:
             found=target_file.run_id,
             allowed=run_id,
         )
+
+
+def _signed(lines: list[str]) -> bytes:
+    """The file of these lines and their checksum."""
+    a, b = checksum(lines)
+    return _join([*lines, f"{MARK}sum [{a},{b}]"])
 
 
 def _join(lines: list[str]) -> bytes:

@@ -9,6 +9,7 @@ a file with fewer than its 14 targets can never become a motion.
     #run 20260314T101500-3f2a
     #recipe 3                                      version of the recipe
     #home [0,-40,30,0,10,0]                        where the program begins and ends, degrees
+    #tool [[0,0,250],[1,0,0,0]]                    whose tip the targets are of, in the flange, mm and quaternion
     #targets 14
     #features 2
     #feature hinge_1                               one line for each, counted from 1
@@ -41,6 +42,7 @@ from doormill_ros.abb.errors import (
 )
 from doormill_ros.abb.target_file.line import RAPID_STRING, SEPARATOR
 from doormill_ros.abb.target_file.move import Ends, Mistake, format_move, parse_move, plain_number
+from doormill_ros.abb.target_file.tool import format_tool, parse_tool
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.rapid_limits import MAX_ESCAPE, MAX_FEATURES, MAX_MOTIONS, MAX_POINTS, MAX_TARGETS
 from doormill_ros.robot.chain import JOINTS
@@ -48,6 +50,8 @@ from doormill_ros.toolpath.program import Motion
 from doormill_ros.units import deg_to_rad, rad_to_deg
 
 MARK = "#"
+#: Key of the line that earlier files lack: the RAPID module refuses them, bags of them can be read.
+TOOL = "tool"
 VERSION = 2
 #: What a name must not hold: the separator of targets, and what ends or escapes a RAPID string.
 FORBIDDEN = {SEPARATOR, '"', "\\"}
@@ -73,6 +77,7 @@ class Trailer:
     points: tuple[FloatArray, ...]
     escapes: tuple[range, ...]
     motions: tuple[Motion, ...]
+    tool: FloatArray | None = None
 
 
 def format_trailer(trailer: Trailer) -> list[str]:
@@ -94,6 +99,7 @@ def format_trailer(trailer: Trailer) -> list[str]:
         _name_line("run", trailer.run_id),
         f"{MARK}recipe {_recipe_version(trailer.recipe_version)}",
         f"{MARK}home {_format_point(trailer.home, 'home')}",
+        *([] if trailer.tool is None else [f"{MARK}{TOOL} {format_tool(trailer.tool)}"]),
         f"{MARK}targets {trailer.target_count}",
         f"{MARK}features {len(features)}",
         *(_name_line("feature", feature) for feature in features),
@@ -138,6 +144,7 @@ class TrailerReader:
             raise self._error(f"says version {version}", f"version {VERSION}")
         door_id, run_id = self._value("door"), self._value("run")
         recipe_version, home = self._count("recipe"), self._angles("home")
+        tool = self._tool() if self._comes(TOOL) else None
         targets = self._count("targets")
         features = [self._value("feature") for _ in range(self._count("features", MAX_FEATURES))]
         if len(set(features)) != len(features):
@@ -149,7 +156,7 @@ class TrailerReader:
         match = _SUM.fullmatch(self._value("sum", {SEPARATOR}))
         if not match:
             raise self._error("holds no checksum", "two numbers as in #sum [12345,23456]")
-        trailer = Trailer(door_id, run_id, recipe_version, targets, home, points, escapes, motions)
+        trailer = Trailer(door_id, run_id, recipe_version, targets, home, points, escapes, motions, tool)
         return trailer, (int(match[1]), int(match[2]))
 
     def _value(self, key: str, forbidden: set[str] = FORBIDDEN) -> str:
@@ -183,6 +190,17 @@ class TrailerReader:
         if not match:
             raise self._error(f"is {text!r}", f"{JOINTS} joint angles such as [0,-40,30.5,0,10,0]")
         return deg_to_rad(np.array([float(angle) for angle in match.groups()]))
+
+    def _comes(self, key: str) -> bool:
+        return not self.at_end and self._lines[self._next].startswith(f"{MARK}{key} ")
+
+    def _tool(self) -> FloatArray:
+        """T_flange_tool, shape (4, 4)."""
+        text = self._value(TOOL, {SEPARATOR})
+        tool = parse_tool(text)
+        if tool is None:
+            raise self._error(f"is {text!r}", "a place and a unit quaternion such as [[0,0,250],[1,0,0,0]]")
+        return tool
 
     def _escape(self, points: int) -> range:
         """The points of a way home, counted from 0."""

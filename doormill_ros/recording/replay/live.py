@@ -167,4 +167,5 @@ class LiveRun:
         share = self._run.share()
         accepted = next(m for m in share.targets if m.accepted)
         stamp_ns = nanoseconds_of(accepted.header.stamp)
-        return target_file_answer(stamp_ns, text.encode("ascii"), by_line=bool(share.target_files))
+        data = self._run.in_recorded_form(share, text.encode("ascii"))
+        return target_file_answer(stamp_ns, data, by_line=bool(share.target_files))

@@ -208,7 +208,7 @@ def _target_file(
     """Render the target file, when the recorded run came so far."""
     if not run.handed_over(share):
         return []
-    data = render_target_file(program, run.run_id)
+    data = run.in_recorded_form(share, render_target_file(program, run.run_id))
     # A bag without the file's content has its checksum.
     return [target_file_answer(stamp_ns, data, by_line=bool(share.target_files))]
 

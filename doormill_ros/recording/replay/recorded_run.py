@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass, field
 from typing import Any
 
+from doormill_ros.abb.target_file.target_file import says_tool, without_tool
 from doormill_ros.cell.graph.topic_names import (
     CAMERA_INFO,
     COMPRESSED,
@@ -135,6 +137,13 @@ class RecordedRun:
         return self.result is not None and bool(
             share.target_files or (self.result.sha256 and not self.shared)
         )
+
+    def in_recorded_form(self, share: RecordedShare, data: bytes) -> bytes:
+        """A target file in the form of the recorded one: earlier ones do not say their tool."""
+        plain = without_tool(data)
+        if share.target_files:
+            return data if says_tool(share.target_files[-1]) else plain
+        return plain if hashlib.sha256(plain).hexdigest() == self.result.sha256 else data
 
     def _answers_of(self, share: RecordedShare) -> list[Answer]:
         found = [targets_of(message) for message in share.targets]

@@ -15,6 +15,7 @@ from doormill_ros.simulation.controller.cabinet.io_port import IoPort, MemoryIo
 from doormill_ros.simulation.controller.cabinet.teach_pendant import TeachPendant
 from doormill_ros.simulation.controller.cabinet.tool_rack import ToolRack
 from doormill_ros.simulation.controller.clock import ControllerClock, Pace
+from doormill_ros.simulation.controller.commissioned import restore, saved_data
 from doormill_ros.simulation.controller.configuration.event_routines import check_event_routines
 from doormill_ros.simulation.controller.configuration.installed import Installed, read_installed
 from doormill_ros.simulation.controller.motion import MotionEngine
@@ -65,6 +66,7 @@ class VirtualController(TaskMachine):
         T_flange_tool: FloatArray | None = None,
         layout: CellLayout | None = None,
         expected_door: str | None = None,
+        commissioned: bool = True,
         time_scale: float | None = None,
         patience: float | None = None,
         on_wait: Callable[[VirtualController], None] | None = None,
@@ -86,6 +88,7 @@ class VirtualController(TaskMachine):
             T_flange_tool: The tool that is really mounted, shape (4, 4); None for the cell's.
             layout: The robot's rack, tool and home; None for those of config/cell.yaml.
             expected_door: Door that stands in the cell, "*" for any; None leaves the module's value.
+            commissioned: The tool was measured and the modules saved with it; False for them as they are shipped.
             time_scale: Simulated over real seconds for motions; None for as fast as possible.
             patience: Longest wait for a signal or a start [s] before the program is ended; None for ever.
             on_wait: Called again and again while the program waits for a signal; then simulated time
@@ -142,6 +145,8 @@ class VirtualController(TaskMachine):
         self._clock.system = installed.outputs
         self._modules = installed.modules
         self.program = RapidProgram(self._modules, self)
+        self._saved = saved_data(self.program, self._home) if commissioned else {}
+        restore(self.program, self._saved)
         check_event_routines(installed.event_routines, self.program)
         self.execution.event_routines = installed.event_routines
         if expected_door is not None:
@@ -234,8 +239,9 @@ class VirtualController(TaskMachine):
         self._planner.linear_supervision = self._planner.joint_configuration = True
 
     def reload(self) -> None:
-        """Load the modules anew: all data get the values of the files."""
+        """Load the modules anew, as Reset RAPID does: all data get the values of the files."""
         self.program = RapidProgram(self._modules, self)
+        restore(self.program, self._saved)
 
     def _time_passed(self) -> None:
         if self._on_time is not None:

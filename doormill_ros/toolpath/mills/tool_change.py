@@ -208,6 +208,7 @@ def joined(programs: Sequence[tuple[int, MillingProgram]], ways: RackWays) -> Mi
         tuple(points),
         last.home,
         tuple(escapes),
+        last.tool,
     )
 
 

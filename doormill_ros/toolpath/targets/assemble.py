@@ -62,7 +62,14 @@ def assembled(
         # After the last feature its way home is taken; the robot already stands at its first point, spindle off.
         motions += [_through(i, settings.approach.way_speed, 0.0) for i in escapes[-1][1:]]
     return MillingProgram(
-        recipe.door_id, recipe.version, targets, tuple(motions), tuple(points), home, tuple(escapes)
+        recipe.door_id,
+        recipe.version,
+        targets,
+        tuple(motions),
+        tuple(points),
+        home,
+        tuple(escapes),
+        loaded.T_flange_tool,
     )
 
 

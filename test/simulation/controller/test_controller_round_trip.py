@@ -90,7 +90,14 @@ def program_of(arm, angles) -> MillingProgram:
     features = min(3, len(angles))
     escapes = tuple(range(i, min(i + 2, len(angles))) for i in range(features))
     return MillingProgram(
-        "door 7", 3, tuple(targets), tuple(motions), points=tuple(angles), home=layout.home, escapes=escapes
+        "door 7",
+        3,
+        tuple(targets),
+        tuple(motions),
+        points=tuple(angles),
+        home=layout.home,
+        escapes=escapes,
+        tool=layout.T_flange_tool,
     )
 
 
@@ -222,6 +229,7 @@ def test_the_compliant_robot_is_bent_onto_targets_that_were_corrected_for_it(arm
         points=(targets[0].q,),
         home=load_layout().home,
         escapes=(range(1),),
+        tool=T_flange_tool,
     )
     robot = controller(truth=truth, process=module_process(program))
     (robot.home / "Hei2.txt").write_bytes(render_target_file(program, "run-1"))

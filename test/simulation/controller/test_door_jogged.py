@@ -13,6 +13,7 @@ from doormill_ros.simulation.controller.motions.limits import load_limits
 from doormill_ros.simulation.controller.operation.execution import Execution
 from doormill_ros.simulation.controller.rapid.errors import RapidStoppedError
 
+HOME = [0.0, -40.0, 30.0, 0.0, 10.0, 0.0]
 BY_HAND = "Jog it clear of the door and run MoveHome."
 #: As far as public backups of controllers let a program go back to its path in automatic mode.
 FAR_REGAIN = replace(load_limits(), regain_distance=0.5, regain_turn=3.0)
@@ -150,4 +151,18 @@ def test_who_jogged_it_clear_runs_move_home(door, controller, reset):
     begun = robot.now()
     robot._on_time = lambda c: c.now() > begun + 30.0 and c.stop()
     robot.run("MoveHome", reset=reset)
-    assert np.allclose(np.degrees(robot.q), [0.0, -40.0, 30.0, 0.0, 10.0, 0.0], atol=1e-3)
+    assert np.allclose(np.degrees(robot.q), HOME, atol=1e-3)
+
+
+@pytest.mark.parametrize("off", [0.9, -0.9])
+def test_a_path_begins_at_home_itself(door, controller, off):
+    """What counts as home may be centimetres off, and the first way was planned from there with a few millimetres."""
+    beside = np.array(HOME) + off * np.array([1.0, 1.0, -1.0, 1.0, 1.0, 1.0])
+    robot = controller(start=np.radians(beside))
+    (robot.home / signals.TARGET_FILE).write_bytes(render_target_file(door("thesis_190_0deg"), "run-1"))
+    robot.run()
+    assert robot.pendant_lines[-1] == "Door is milled."
+    recording = robot.recording
+    first = next(i for i, context in enumerate(recording.context) if context.index >= 0)
+    assert np.allclose(np.degrees(recording.q[first]), HOME, atol=1e-3)
+    assert robot.teach_pendant.dialogs == []

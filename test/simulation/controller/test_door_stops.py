@@ -222,6 +222,28 @@ def test_a_dry_run_moves_the_whole_path_beside_an_open_guard_and_mills_nothing(c
     assert [dialog.lines[0] for dialog in robot.teach_pendant.dialogs] == [DRY]
 
 
+@pytest.mark.parametrize("motion", [1, 3])
+def test_who_ends_the_dry_run_while_it_moves_starts_no_spindle(cutting, motion):
+    """Its guard is not watched."""
+    robot = cutting(motion, lambda c: c.program.write("dryRun", "FALSE"))
+    turned: list[float] = []
+    happens = robot._on_time
+
+    def watch(c):
+        happens(c)
+        turned.append(c.read_signal("doSpindleOn"))
+
+    robot._on_time = watch
+    robot.program.write("dryRun", "TRUE")
+    robot.panel.set_mode(OperatingMode.MANUAL_REDUCED)
+    robot.panel.motors(True)
+    robot.run()
+    assert robot.happened
+    assert not any(turned)
+    assert len(robot.moves) == robot.program.read("moveCount") + 1  # and home
+    assert (robot.home / signals.REFUSED_FILE).read_text() == f"1\n{DRY}\n"
+
+
 def test_no_dry_run_in_automatic_mode(cutting):
     robot = cutting(10**6, lambda c: None)
     robot.program.write("dryRun", "TRUE")

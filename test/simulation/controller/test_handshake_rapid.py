@@ -183,6 +183,7 @@ def test_ready_that_falls_while_the_file_is_read_is_a_refusal(cell: Cell) -> Non
 
 def test_the_request_number_outlives_the_program(cell: Cell) -> None:
     cell.robot.program.write("requestNumber", "65534")
+    (cell.home / signals.REQUEST_FILE).write_text("65534\n")
     for expected in (65535, 1, 2):
         cell.mill()
         assert cell.robot.program.read("requestNumber") == expected

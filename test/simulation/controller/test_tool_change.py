@@ -96,6 +96,10 @@ def loose(rack):
     rack.faults.drawbar_holds = False
 
 
+def stuck_gauge(rack):
+    rack.faults.gauge_stuck = 10.0
+
+
 def stands_out(further):
     return lambda rack: rack.faults.longer.update(rack_mill_12=further)
 
@@ -106,6 +110,7 @@ def stands_out(further):
         (no_tool, "No tool is clamped from place:\n2", True),
         (loose, "No tool is clamped from place:\n2", True),
         (stuck, "The drawbar does not open or close.", True),
+        (stuck_gauge, "Nothing presses the gauge, yet it reads [mm]:\n10", False),
         (
             stands_out(0.9e-3),
             "The tool has another length [mm]:\n120.9",
@@ -117,7 +122,7 @@ def stands_out(further):
             False,
         ),
     ],
-    ids=["missing", "not clamped", "drawbar", "too long", "too short"],
+    ids=["missing", "not clamped", "drawbar", "gauge", "too long", "too short"],
 )
 def test_what_is_wrong_at_the_rack_ends_the_door_before_the_next_cut(made, started, fault, reason, by_hand):
     robot = started()
@@ -163,6 +168,30 @@ def led_home(robot, by_hand):
     assert asked[-2:] == [OTHER_TOOL, LENGTH]
     if robot.cell.rack.carried != "":
         assert robot.cell.rack.carried == "rack_mill_16"
+
+
+def test_a_gauge_that_stays_pressed_measures_no_tool(started):
+    """It read right once, with this tool."""
+    robot = started()
+
+    def stick(c):
+        if c.read_signal("aiToolGauge") > 9.99:
+            c.cell.rack.faults.gauge_stuck = 10.0
+
+    robot._on_time = stick
+    robot.run()
+    assert (robot.home / signals.REFUSED_FILE).read_text().startswith("1\nNothing presses the gauge")
+    assert robot.program.read("toolMeasured") is False
+    led_home(robot, by_hand=False)
+
+
+def test_a_spindle_without_a_brake_is_waited_for(started):
+    robot = started(patience=None)
+    robot.cell.coasting_time = 60.0
+    robot.run()
+    assert robot.pendant_lines[-1] == "Door is milled."
+    assert robot.teach_pendant.dialogs == []
+    assert robot.cell.rack.harm == []
 
 
 def jog_home(robot):

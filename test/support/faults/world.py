@@ -133,5 +133,13 @@ def make_file(placement: int, door_id: str, run_id: str) -> bytes:
     motions = tuple(
         Motion(kind, i, None, 0.1, "z0" if i < TARGETS - 1 else "fine", "", False) for kind, i in ends
     )
-    program = MillingProgram(door_id, placement, tuple(targets), motions, points=(first,), home=layout.home)
+    program = MillingProgram(
+        door_id,
+        placement,
+        tuple(targets),
+        motions,
+        points=(first,),
+        home=layout.home,
+        tool=layout.T_flange_tool,
+    )
     return render_target_file(program, run_id)

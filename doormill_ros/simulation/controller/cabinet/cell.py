@@ -27,7 +27,8 @@ class SimulatedCell:
     """Holds the cell's own signals and routes those of the handshake to the port.
 
     Attributes:
-        spindle_time: Time in which the spindle comes to speed or to rest [s].
+        spindle_time: Time in which the spindle comes to speed [s].
+        coasting_time: Time in which it comes to rest [s].
         spindle_drive: Output that makes the spindle turn.
         spindle_works: False for a spindle that never comes to speed.
         rack: Drawbar, tools and gauge.
@@ -66,7 +67,7 @@ class SimulatedCell:
             if name in self._values:
                 self._values[name] = 1.0
         self.spindle_drive = SPINDLE_RUN if SPINDLE_RUN in self._values else SPINDLE_ON
-        self.spindle_time = 1.5
+        self.spindle_time = self.coasting_time = 1.5
         self.spindle_works = True
         self._spindle_due: float | None = None
         self._rest_due: float | None = None
@@ -131,7 +132,7 @@ class SimulatedCell:
             self.rack.order(now)
         if changed and name == self.spindle_drive and SPINDLE_STOPPED in self._values:
             self._hold(SPINDLE_STOPPED, 0.0)
-            self._rest_due = None if value else now + self.spindle_time
+            self._rest_due = None if value else now + self.coasting_time
         if changed and name in (self.spindle_drive, SPINDLE_SPEED) and SPINDLE_AT_SPEED in self._values:
             self._hold(SPINDLE_AT_SPEED, 0.0)
             self._spindle_due = now + self.spindle_time

@@ -29,12 +29,14 @@ class RackFaults:
         drawbar_opens: False for a drawbar that stays closed.
         drawbar_holds: False for one that closes without holding a tool.
         longer: By how much tools stand out further than they should [m].
+        gauge_stuck: What the gauge reads whatever presses it [mm]; None for one that moves.
     """
 
     missing: set[str] = field(default_factory=set)
     drawbar_opens: bool = True
     drawbar_holds: bool = True
     longer: dict[str, float] = field(default_factory=dict)
+    gauge_stuck: float | None = None
 
 
 class ToolRack:
@@ -116,6 +118,8 @@ class ToolRack:
 
     def gauge(self, T_base_flange: FloatArray) -> float:
         """How far the gauge is pressed [mm] by the tool at a flange pose of shape (4, 4)."""
+        if self.faults.gauge_stuck is not None:
+            return self.faults.gauge_stuck
         if self._gauge is None or not self.carried:
             return 0.0
         axis = self._gauge[:3, 2]
