@@ -196,12 +196,16 @@ MODULE DoorStop
     ENDTRAP
 
     LOCAL TRAP OnDoorLeft
-        doorChanged:=TRUE;
+        DoorExchanged;
+    ENDTRAP
+
+    LOCAL PROC DoorExchanged()
         ! The next one is named once it is being loaded.
+        doorChanged:=TRUE;
         nameTaken:=TRUE;
         ForgetName;
         DropName;
-    ENDTRAP
+    ENDPROC
 
     LOCAL TRAP OnGuardOpened
         EndDoor TXT_GUARD_OPEN,"";
@@ -235,10 +239,9 @@ MODULE DoorStop
 
     PROC DoorRestarted()
         ! START, STEP, RESTART: before anything moves on. Interrupts are lost while the program stands: the door may be
-        ! another one by now, and has to be named anew.
+        ! another one by now, and has to be named anew, whoever named which one meanwhile.
         IF NOT doorInHand THEN
-            doorChanged:=TRUE;
-            ForgetName;
+            DoorExchanged;
         ENDIF
         IF GivenUp() THEN
             ! Where no event told of the stop, as after errors, nobody knows whether the robot was jogged since.

@@ -72,6 +72,7 @@ class Execution:
     Attributes:
         event_routines: Names of the routines of each event.
         keeps_on: Whether a program that stopped with an error waits for the operator; else the error is raised.
+        on_started: Called when a program starts at main, after its event routines.
     """
 
     def __init__(
@@ -90,6 +91,7 @@ class Execution:
         self._outputs, self._log, self._limits = outputs, log, limits
         self.event_routines: Mapping[str, Sequence[str]] = {}
         self.keeps_on = keeps_on
+        self.on_started: Callable[[], None] = lambda: None
         self._deadline: float | None = None
         self.in_event = False
         clock.react = self.react
@@ -115,6 +117,7 @@ class Execution:
                 if at_main:
                     self._panel.started()
                     self._event("START")
+                    self.on_started()
                     self._engine.release(OPERATION)
                     self._check()
                 program = self._task.program
