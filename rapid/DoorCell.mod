@@ -88,20 +88,40 @@ MODULE DoorCell
 
     PROC WaitForRest()
         ! Nobody goes to a door while the mill beside it turns.
-        VAR bool late;
         VAR num answer;
 
-        WaitDI diSpindleStopped,1\MaxTime:=SPINDLE_TIMEOUT\TimeFlag:=late;
-        WHILE late DO
+        WHILE NOT ComesToRest() DO
             answer:=Ask(TXT_SPINDLE_TURNS,TXT_WAIT_REST,TXT_OK,0);
-            WaitDI diSpindleStopped,1\MaxTime:=SPINDLE_TIMEOUT\TimeFlag:=late;
         ENDWHILE
     ENDPROC
 
+    LOCAL FUNC bool ComesToRest()
+        VAR bool late;
+
+        WaitDI diSpindleStopped,1\MaxTime:=SPINDLE_TIMEOUT\TimeFlag:=late;
+        RETURN NOT late;
+    ERROR
+        ! Its device is lost: nobody knows.
+        SkipWarn;
+        RETURN FALSE;
+    ENDFUNC
+
     PROC StopSpindle()
+        spindleSpeed:=0;
         Reset doSpindleOn;
         Reset doBlowOff;
         SetAO aoSpindleSpeed,0;
-        spindleSpeed:=0;
+    ERROR
+        ! A device that is lost keeps no door from ending: its outputs fell with it.
+        SkipWarn;
+        TRYNEXT;
+    ENDPROC
+
+    PROC ShutDrawbar()
+        ! What the drawbar let go of a tool it holds again.
+        Reset doDrawbarOpen;
+    ERROR
+        SkipWarn;
+        TRYNEXT;
     ENDPROC
 ENDMODULE

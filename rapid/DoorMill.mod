@@ -33,7 +33,7 @@ MODULE DoorMill
         ConfL\Off;
         millingMotion:=0;
         StopSpindle;
-        Reset doDrawbarOpen;
+        ShutDrawbar;
         Reset doPathRequest;
         RecallRuns;
     ENDPROC

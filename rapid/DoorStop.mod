@@ -147,12 +147,12 @@ MODULE DoorStop
         ! The robot first, then the spindle: a tool at rest in moving contact breaks.
         StopMove;
         WaitRob\ZeroSpeed;
-        StopSpindle;
         stopDetail:=detail;
         IF stopReason=0 THEN
             TellRefused reason,detail;
         ENDIF
         NoteStop reason;
+        StopSpindle;
         ClearPath;
         motionsLeft:=FALSE;
         StartMove;
@@ -176,11 +176,10 @@ MODULE DoorStop
             stoppedKnown:=TRUE;
         ENDIF
         underWay:=FALSE;
-        ! What the drawbar let go of a tool it holds again.
-        Reset doDrawbarOpen;
         ! Busy stays: the tool may stand in the door, which must not be taken out.
         Set doPathFault;
         Reset doPathRequest;
+        ShutDrawbar;
     ENDPROC
 
     LOCAL TRAP OnSpindleLost
@@ -246,8 +245,8 @@ MODULE DoorStop
         IF GivenUp() THEN
             ! Where no event told of the stop, as after errors, nobody knows whether the robot was jogged since.
             underWay:=FALSE;
-            StopSpindle;
             NoteStop TXT_STOPPED;
+            StopSpindle;
         ENDIF
         ! What is left of the path of a door that ended stays unmoved. With none left people move it.
         IF stopReason<>0 AND motionsLeft THEN

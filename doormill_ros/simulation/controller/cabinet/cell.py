@@ -31,6 +31,7 @@ class SimulatedCell:
         spindle_drive: Output that makes the spindle turn.
         spindle_works: False for a spindle that never comes to speed.
         rack: Drawbar, tools and gauge.
+        lost: Signals of an I/O device that the controller does not reach, see `lose`.
         mark: Another object after each change of a signal that the cell itself holds, analog inputs apart: a drive
             tells another load at every moment, and nothing that the system itself writes follows one.
     """
@@ -57,6 +58,7 @@ class SimulatedCell:
         #: Signals that only change here, not in the port and not with the robot.
         self.held = frozenset(self.kinds) - _OF_THE_PORT - {GAUGE}
         self._analog = frozenset(name for name, s in configuration.signals.items() if s.type == "AI")
+        self.lost: frozenset[str] = frozenset()
         self.mark = object()
         #: Mark, drawbar and tool for which its sensors say what they should.
         self._shown: tuple[object, bool, str] | None = None
@@ -91,9 +93,11 @@ class SimulatedCell:
         Raises:
             SignalError: Not an output.
             RapidStop: Its access level does not let RAPID write it.
-            RapidFault: ERR_AO_LIM, ERR_GO_LIM or ERR_ARGVALERR for a value out of range.
+            RapidFault: ERR_AO_LIM, ERR_GO_LIM or ERR_ARGVALERR for a value out of range, ERR_NORUNUNIT for a
+                signal of a device that is lost.
         """
         self._check(name)
+        self.reach(name)
         self._now = now
         signal = self.configuration.signals[name]
         if not signal.output:
@@ -117,7 +121,25 @@ class SimulatedCell:
     def force(self, name: str, value: float) -> None:
         """Set an output whatever its access level, as the system does."""
         self._check(name)
-        self._set(name, value, self._now)
+        if name not in self.lost:
+            self._set(name, value, self._now)
+
+    def lose(self, *names: str) -> None:
+        """Lose the device of these signals, or none: its outputs fall, its inputs stay as they were seen last."""
+        self.lost = frozenset()
+        for name in names:
+            if self.configuration.signals[name].output:
+                self.force(name, 0.0)
+        self.lost = frozenset(names)
+
+    def reach(self, name: str) -> None:
+        """What the program reads or writes.
+
+        Raises:
+            RapidFault: ERR_NORUNUNIT: the device of the signal is lost.
+        """
+        if name in self.lost:
+            raise RapidFault("ERR_NORUNUNIT", f"signal {name}: its I/O device is lost")
 
     def _set(self, name: str, value: float, now: float) -> None:
         if name in _OF_THE_PORT:
