@@ -106,6 +106,24 @@ MODULE DoorCell
         RETURN FALSE;
     ENDFUNC
 
+    PROC AllowClamp()
+        ! Whoever opens the clamp stands where the tool works.
+        IF AtHome() AND diSpindleStopped=1 THEN
+            Set doClampFree;
+        ENDIF
+    ERROR
+        ! A device that is lost allows nothing.
+        SkipWarn;
+        RETURN;
+    ENDPROC
+
+    PROC ForbidClamp()
+        Reset doClampFree;
+    ERROR
+        SkipWarn;
+        TRYNEXT;
+    ENDPROC
+
     PROC StopSpindle()
         spindleSpeed:=0;
         Reset doSpindleOn;

@@ -18,6 +18,7 @@ MODULE DoorLink
     CONST num READY_FALL_TIME:=30;
     CONST num NAME_TIME:=2;
     CONST num NAME_INTERVAL:=0.2;
+    CONST num CLAMP_INTERVAL:=0.04;
 
     ! The door that stands in the cell, named anew for each: by RWS, by EXPECTED_FILE or by giDoorNumber.
     ! ANY_DOOR switches the check off for this one door.
@@ -68,10 +69,16 @@ MODULE DoorLink
 
     PROC WaitUntilOut()
         ! Until the door that was begun is taken out.
-        WaitDI diDoorClamped,0;
+        WaitUntil ClampOpened()\PollRate:=CLAMP_INTERVAL;
         doorSpent:=FALSE;
         DropName;
     ENDPROC
+
+    LOCAL FUNC bool ClampOpened()
+        ! A stop takes the permission back.
+        AllowClamp;
+        RETURN diDoorClamped=0;
+    ENDFUNC
 
     PROC DropName()
         ! Written while a door was clamped it was that door's, read twice maybe: the next one is named anew.
@@ -101,16 +108,21 @@ MODULE DoorLink
             WaitDI diDoorClamped,1;
         ENDIF
         WatchLeaving;
+        AllowClamp;
         numberBefore:=0;
-        IF NOT DoorNamed() THEN
-            WaitUntil DoorNamed() OR diDoorClamped=0\MaxTime:=NAME_TIME\TimeFlag:=late\PollRate:=NAME_INTERVAL;
+        IF NOT NameOrChange() THEN
+            WaitUntil NameOrChange()\MaxTime:=NAME_TIME\TimeFlag:=late\PollRate:=NAME_INTERVAL;
             IF late THEN
                 Show TXT_WAIT_NAME;
-                WaitUntil DoorNamed() OR diDoorClamped=0\PollRate:=NAME_INTERVAL;
+                WaitUntil NameOrChange()\PollRate:=NAME_INTERVAL;
             ENDIF
         ENDIF
         nameTaken:=diDoorClamped=1 AND (NOT doorChanged);
     ENDPROC
+
+    LOCAL FUNC bool NameOrChange()
+        RETURN DoorNamed() OR diDoorClamped=0 OR doorChanged;
+    ENDFUNC
 
     LOCAL FUNC bool DoorNamed()
         VAR string name;

@@ -203,6 +203,7 @@ MODULE DoorMill
         ! neither takes the door for one that came to nothing.
         Set doPathDone;
         Reset doPathBusy;
+        AllowClamp;
         Show TXT_MILLED;
         WaitUntilOut;
     ENDPROC

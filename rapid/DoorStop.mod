@@ -161,6 +161,7 @@ MODULE DoorStop
 
     PROC SetOff()
         ! From here on the robot is on its way.
+        ForbidClamp;
         stoppedKnown:=FALSE;
         underWay:=TRUE;
         motionsLeft:=TRUE;
@@ -218,8 +219,9 @@ MODULE DoorStop
     ! Event routines, see SYS.cfg. None of them moves the robot or asks anything.
 
     PROC DoorStopped()
-        ! STOP, QSTOP: the robot stands. Once all is cut a stop is no reason to give the door up. Before, it is:
-        ! nobody sees what the clamp does until the next start. At the rack it always is.
+        ! STOP, QSTOP: the robot stands, and may be jogged. Once all is cut a stop is no reason to give the door up.
+        ! Before, it is: nobody sees what the clamp does until the next start. At the rack it always is.
+        ForbidClamp;
         IF GivenUp() THEN
             NoteStop TXT_STOPPED;
         ENDIF
@@ -232,13 +234,17 @@ MODULE DoorStop
     ENDFUNC
 
     PROC DoorPowered()
-        ! POWERON: the outputs fell with the power, what the program knows of the spindle did not.
+        ! POWERON: the outputs fell with the power, what the program knows of spindle and door did not.
+        IF doorInHand THEN
+            Set doPathBusy;
+        ENDIF
         DoorStopped;
     ENDPROC
 
     PROC DoorRestarted()
         ! START, STEP, RESTART: before anything moves on. Interrupts are lost while the program stands: the door may be
-        ! another one by now, and has to be named anew, whoever named which one meanwhile.
+        ! another one by now, and has to be named anew, whoever named which one meanwhile. Of errors no event told.
+        ForbidClamp;
         IF NOT doorInHand THEN
             DoorExchanged;
         ENDIF
@@ -259,6 +265,7 @@ MODULE DoorStop
 
     PROC DoorReset()
         ! RESET: the program is at main, its variables are new.
+        ForbidClamp;
         StopSpindle;
     ENDPROC
 
@@ -315,6 +322,10 @@ MODULE DoorStop
             underWay:=FALSE;
             NoteStop TXT_STOPPED;
         ENDIF
+        IF doorInHand THEN
+            ! Outputs may have fallen.
+            Set doPathBusy;
+        ENDIF
         reason:=stopReason;
         IF reason<>0 THEN
             Report reason,stopDetail;
@@ -336,6 +347,7 @@ MODULE DoorStop
         ENDWHILE
         WaitForRest;
         Reset doPathBusy;
+        AllowClamp;
         IF doorInHand THEN
             answer:=Ask(reason,TXT_ASK_NEXT,TXT_OK,0);
         ELSEIF stopReason<>0 THEN
