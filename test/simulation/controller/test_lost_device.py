@@ -8,7 +8,7 @@ from doormill_ros.abb import signals
 from support.door_cutting import next_cycle, operator
 
 SPINDLE = (
-    "doSpindleOn", "doSpindleRun", "aoSpindleSpeed", "doBlowOff", "doDrawbarOpen", "diSpindleAtSpeed",
+    "doSpindleOn", "doSpindleRun", "aoSpindleSpeed", "doBlowOff", "doDrawbarOpen", "doDrawbarRun", "diSpindleAtSpeed",
     "diSpindleStopped", "diToolReleased", "diToolClamped",
 )  # fmt: skip
 OUTPUTS = tuple(name for name in SPINDLE if not name.startswith("di"))

@@ -9,7 +9,7 @@ import numpy as np
 from doormill_ros.abb.signals import ALL_SIGNALS, GROUP_SIGNALS
 from doormill_ros.arrays import FloatArray
 from doormill_ros.simulation.controller.cabinet.io_port import IoPort
-from doormill_ros.simulation.controller.cabinet.tool_rack import DRAWBAR_OPEN, GAUGE, ToolRack
+from doormill_ros.simulation.controller.cabinet.tool_rack import DRAWBAR_OPEN, DRAWBAR_RUN, GAUGE, ToolRack
 from doormill_ros.simulation.controller.configuration.io_configuration import IoConfiguration
 from doormill_ros.simulation.controller.rapid.errors import SignalError
 from doormill_ros.simulation.controller.rapid.faults import RapidFault, RapidStop
@@ -29,6 +29,7 @@ class SimulatedCell:
     Attributes:
         spindle_time: Time in which the spindle comes to speed or to rest [s].
         spindle_drive: Output that makes the spindle turn.
+        drawbar_valve: Output that opens the drawbar.
         spindle_works: False for a spindle that never comes to speed.
         rack: Drawbar, tools and gauge.
         lost: Signals of an I/O device that the controller does not reach, see `lose`.
@@ -68,6 +69,7 @@ class SimulatedCell:
             if name in self._values:
                 self._values[name] = 1.0
         self.spindle_drive = SPINDLE_RUN if SPINDLE_RUN in self._values else SPINDLE_ON
+        self.drawbar_valve = DRAWBAR_RUN if DRAWBAR_RUN in self._values else DRAWBAR_OPEN
         self.spindle_time = 1.5
         self.spindle_works = True
         self._spindle_due: float | None = None
@@ -149,7 +151,7 @@ class SimulatedCell:
         if changed and name == self.spindle_drive and not value:
             self.spindle_turned.append((now, False))
         self._hold(name, value)
-        if changed and name == DRAWBAR_OPEN:
+        if changed and name == self.drawbar_valve:
             self.rack.order(now)
         if changed and name == self.spindle_drive and SPINDLE_STOPPED in self._values:
             self._hold(SPINDLE_STOPPED, 0.0)
@@ -186,7 +188,7 @@ class SimulatedCell:
             turning = bool(self._values.get(self.spindle_drive, 0.0)) or not self._values.get(
                 SPINDLE_STOPPED, 1.0
             )
-            self.rack.advance(now, bool(self._values.get(DRAWBAR_OPEN, 0.0)), self._flange(), turning)
+            self.rack.advance(now, bool(self._values.get(self.drawbar_valve, 0.0)), self._flange(), turning)
         self.show_drawbar()
 
     def show_drawbar(self) -> None:
