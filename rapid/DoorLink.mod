@@ -13,6 +13,7 @@ MODULE DoorLink
     CONST string MILLED_FILE:="Hei2.end";
     ! Written by whoever names the door that is being loaded; read once and removed.
     CONST string EXPECTED_FILE:="Hei2.exp";
+    CONST string EXPECTED_END:="#end";
     ! What a group of 16 signals holds; 0 is no request.
     CONST num MAX_REQUEST:=65535;
     CONST num READY_FALL_TIME:=30;
@@ -128,7 +129,7 @@ MODULE DoorLink
         VAR string name;
         VAR num number;
 
-        name:=FirstLine(EXPECTED_FILE);
+        name:=WholeName();
         IF name<>"" THEN
             RemoveNote EXPECTED_FILE;
             ! One that cannot be removed would name every door after this one.
@@ -291,6 +292,32 @@ MODULE DoorLink
         line:=ReadStr(note);
         CloseNote;
         IF line=EOF THEN
+            RETURN "";
+        ENDIF
+        RETURN line;
+    ERROR
+        SkipWarn;
+        IF noteOpen THEN
+            CloseNote;
+        ENDIF
+        RETURN "";
+    ENDFUNC
+
+    LOCAL FUNC string WholeName()
+        ! Empty until the last line is there: the file is written in place, and of door_10 door_1 may be read.
+        VAR string line;
+        VAR string last;
+
+        IF NOT IsFile("HOME:/"+EXPECTED_FILE) THEN
+            RETURN "";
+        ENDIF
+        noteOpen:=FALSE;
+        Open "HOME:"\File:=EXPECTED_FILE,note\Read;
+        noteOpen:=TRUE;
+        line:=ReadStr(note);
+        last:=ReadStr(note);
+        CloseNote;
+        IF last<>EXPECTED_END THEN
             RETURN "";
         ENDIF
         RETURN line;

@@ -344,7 +344,7 @@ class Run:
 
     def _name_door(self) -> None:
         """The bar code reader, at the door that is there or is being loaded."""
-        (self._home / signals.EXPECTED_FILE).write_text(f"{self._incident.door}\n")
+        (self._home / signals.EXPECTED_FILE).write_text(f"{self._incident.door}\n{signals.EXPECTED_END}\n")
         self._judge.named = True
 
     def _accepted(self) -> int:

@@ -80,10 +80,10 @@ def expected(tmp_path: Path) -> str:
 def test_a_door_is_named_by_its_id_or_its_bar_code(ask: Ask, tmp_path: Path) -> None:
     answer = ask(door_id="thesis_190_0deg")
     assert (answer.success, answer.error_code, answer.door_id) == (True, 0, "thesis_190_0deg")
-    assert expected(tmp_path) == "thesis_190_0deg\n"
+    assert expected(tmp_path) == "thesis_190_0deg\n#end\n"
     answer = ask(bar_code=CODE)
     assert (answer.success, answer.error_code, answer.door_id) == (True, 0, DOOR)
-    assert expected(tmp_path) == f"{DOOR}\n"
+    assert expected(tmp_path) == f"{DOOR}\n#end\n"
 
 
 @pytest.mark.parametrize(

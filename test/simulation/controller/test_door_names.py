@@ -48,7 +48,7 @@ def load_named(then):
     def plant(robot):
         if not loaded:
             loaded.append(robot.now())
-            (robot.home / signals.EXPECTED_FILE).write_text("door_by_code\n")
+            (robot.home / signals.EXPECTED_FILE).write_text(f"door_by_code\n{signals.EXPECTED_END}\n")
             robot.cell.set_input("diDoorClamped", 1.0)
         return then(robot)
 
@@ -118,11 +118,11 @@ def plant_of_two_doors(seen: list[str], opened: list[float]):
         request = int(c.program.read("requestNumber")) if c.io.read(signals.REQUEST) else 0
         if not named:
             named.append(c.now())
-            (c.home / signals.EXPECTED_FILE).write_text("thesis_190_0deg\n")
+            (c.home / signals.EXPECTED_FILE).write_text(f"thesis_190_0deg\n{signals.EXPECTED_END}\n")
         if not opened:
             if request and not seen:
                 seen.append("read again")
-                (c.home / signals.EXPECTED_FILE).write_text("thesis_190_0deg\n")
+                (c.home / signals.EXPECTED_FILE).write_text(f"thesis_190_0deg\n{signals.EXPECTED_END}\n")
             if c.program.read("doorSpent") and not c.program.read("doorInHand"):
                 opened.append(c.now())
                 c.cell.set_input("diDoorClamped", 0.0)
@@ -181,7 +181,7 @@ def exchange_while_it_stands(when):
             c.stop()
 
     def exchange(c):
-        (c.home / signals.EXPECTED_FILE).write_text("door_a\n")
+        (c.home / signals.EXPECTED_FILE).write_text(f"door_a\n{signals.EXPECTED_END}\n")
         for clamped in (1.0, 0.0, 1.0):
             c.cell.set_input("diDoorClamped", clamped)
         c.panel.start()
@@ -229,7 +229,25 @@ def test_a_door_that_is_named_after_the_start_is_asked_for(controller):
     def name(c):
         stop(c)
         if stopped and c.now() > stopped[0] + 2.0:
-            (c.home / signals.EXPECTED_FILE).write_text("door_b\n")
+            (c.home / signals.EXPECTED_FILE).write_text(f"door_b\n{signals.EXPECTED_END}\n")
 
     robot = controller(expected_door="", patience=None, on_wait=name, on_stopped=exchange)
     assert name_of(robot) == "door_b"
+
+
+@pytest.mark.parametrize("torn", [0, 6, 7, 8, 11])
+def test_a_name_that_is_being_written_is_not_taken_for_another(waiting, torn):
+    """It is written in place, while the program looks: of door_10 as much as door_1 may be there."""
+    whole = f"door_10\n{signals.EXPECTED_END}\n"
+    begun: list[float] = []
+
+    def plant(robot):
+        path = robot.home / signals.EXPECTED_FILE
+        if not begun:
+            begun.append(robot.now())
+            path.write_text(whole[:torn])
+        elif robot.now() > begun[0] + 3.0 and path.exists():
+            path.write_text(whole)
+        return ended(robot, 6.0)
+
+    assert name_of(waiting(plant)) == "door_10"
