@@ -86,6 +86,7 @@ MODULE DoorMill
 
     LOCAL PROC MillMoves()
         FOR i FROM 1 TO moveCount DO
+            StayWhenForgotten;
             IF moves{i}.spindle<>spindleSpeed THEN
                 ! The motion before ended in a stop point, see ZoneBetween.
                 SetSpindle moves{i}.spindle;
@@ -103,6 +104,7 @@ MODULE DoorMill
                 MillMove moves{i},ZoneBetween(i);
             ENDIF
         ENDFOR
+        StayWhenForgotten;
         SetSpindle 0;
     ENDPROC
 
@@ -112,6 +114,7 @@ MODULE DoorMill
         IF row.cutting AND (NOT dryRun) AND (row.spindle<>spindleSpeed OR diSpindleAtSpeed=0) THEN
             EndDoor TXT_SPINDLE_LOST,"";
         ENDIF
+        StayWhenForgotten;
         ! Reorientation and axis speeds of the predefined speeds, feed from the file.
         speed:=v100;
         speed.v_tcp:=row.speed;

@@ -45,6 +45,8 @@ MODULE DoorStop
 
     ! Motions of a door are left in the program.
     LOCAL VAR bool motionsLeft:=FALSE;
+    ! They were forgotten with a start, until the door has ended for it.
+    LOCAL VAR bool motionsForgotten:=FALSE;
     LOCAL VAR bool escapeFits:=TRUE;
     LOCAL VAR intnum spindleLost;
     LOCAL VAR intnum doorReleased;
@@ -61,6 +63,7 @@ MODULE DoorStop
         CONNECT goneOn WITH OnGoneOn;
         ISignalDO doMillAbort,1,goneOn;
         motionsLeft:=FALSE;
+        motionsForgotten:=FALSE;
         ! A start at main comes out of DoorRestarted too.
         StartMove;
     ENDPROC
@@ -155,8 +158,17 @@ MODULE DoorStop
         StopSpindle;
         ClearPath;
         motionsLeft:=FALSE;
+        motionsForgotten:=FALSE;
         StartMove;
         ExitCycle;
+    ENDPROC
+
+    PROC StayWhenForgotten()
+        ! Behind each motion and before what follows from it: one that was forgotten is at its end at once, and the
+        ! trap that ends the door may come later than that.
+        IF motionsForgotten THEN
+            EndDoor TXT_STOPPED,"";
+        ENDIF
     ENDPROC
 
     PROC SetOff()
@@ -259,6 +271,9 @@ MODULE DoorStop
             StopMove;
             ! No way back to the path either: the tool stands in the wood.
             ClearPath;
+            motionsForgotten:=TRUE;
+            ! It is high still when the program was stopped before its trap had run.
+            Reset doMillAbort;
             Set doMillAbort;
         ENDIF
     ENDPROC
@@ -385,13 +400,16 @@ MODULE DoorStop
             there:=CalcRobT(escape{1},toolMill\WObj:=wobjDoor);
             BackOut there;
             MoveL there,SPEED_CLEAR,fine,toolMill\WObj:=wobjDoor;
+            StayWhenForgotten;
             escapeNext:=1;
         ENDIF
         WHILE escapeNext<=escapeCount DO
             MoveAbsJ escape{escapeNext},v500,fine,toolMill\WObj:=wobjDoor;
+            StayWhenForgotten;
             escapeNext:=escapeNext+1;
         ENDWHILE
         GoHome;
+        StayWhenForgotten;
         motionsLeft:=FALSE;
     ENDPROC
 ENDMODULE

@@ -82,6 +82,28 @@ def test_a_stop_in_the_cut_is_not_gone_on_from(cutting, what, motion):
     assert len(recording.time) > 2
 
 
+@pytest.mark.parametrize("motion", [3, 9])
+def test_a_stop_just_behind_the_start_ends_the_door_with_the_next_one(cutting, motion):
+    """The program is stopped again before the trap of going on has run."""
+    robot = cutting(motion, lambda c: c.panel.stop(), on_stopped=operator)
+    again: list[float] = []
+    before = robot._on_time
+
+    def watch(c):
+        before(c)
+        if not again and c.read_signal("doMillAbort") and c.panel.running:
+            again.append(c.now())
+            c.panel.stop()
+        if again and c.now() > again[0] + 60.0:
+            c.stop()
+
+    robot._on_time = watch
+    robot.run()
+    assert again
+    next_cycle(robot)
+    assert_led_home(robot, "The robot was stopped while milling.")
+
+
 @pytest.mark.parametrize("power", [True, False])
 def test_a_door_that_may_have_been_exchanged_before_the_spindle_ran_is_not_cut(door, controller, power):
     """The robot waits for the guard with the path in memory; nobody sees the clamp while the program stands."""
