@@ -45,7 +45,7 @@ MODULE DoorStop
 
     ! Motions of a door are left in the program.
     LOCAL VAR bool motionsLeft:=FALSE;
-    ! They were forgotten with a start, until the door has ended for it.
+    ! They were forgotten, until main begins anew.
     LOCAL VAR bool motionsForgotten:=FALSE;
     LOCAL VAR bool escapeFits:=TRUE;
     LOCAL VAR intnum spindleLost;
@@ -158,8 +158,9 @@ MODULE DoorStop
         StopSpindle;
         ClearPath;
         motionsLeft:=FALSE;
-        motionsForgotten:=FALSE;
-        StartMove;
+        ! Until main begins, which lets the robot move again: in a trap that runs within an event routine ExitCycle
+        ! may end that routine alone.
+        motionsForgotten:=TRUE;
         ExitCycle;
     ENDPROC
 

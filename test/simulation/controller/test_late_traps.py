@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from support.door_cutting import operator
+from support.door_cutting import next_cycle, operator
 
 FEATURE = 5
 
@@ -24,10 +24,34 @@ def stop_when(robot, condition) -> list[float]:
     return stopped
 
 
+@pytest.fixture(params=[False, True], ids=["RESTART first", "regain first"])
+def any_order(request):
+    """Lets a robot do what controllers may do in another order."""
+
+    def any_order_(robot):
+        robot.execution.regains_first = request.param
+        return robot
+
+    return any_order_
+
+
+@pytest.mark.parametrize("what", ["stop", "emergency_stop", "fail_power"])
+def test_a_stop_in_the_cut_ends_the_door(cutting, any_order, what):
+    robot = any_order(cutting(6, lambda c: getattr(c.panel, what)(), on_stopped=operator))
+    robot.run()
+    assert robot.happened
+    assert robot.read_signal("doSpindleOn") == 0.0
+    assert robot.program.read("stopReason") != 0
+    ordered = len(robot.moves)
+    next_cycle(robot)
+    assert robot.moves[ordered].kind in ("MoveL", "MoveC")
+    assert [robot.io.read(name) for name in ("doPathFault", "doPathDone")] == [1, 0]
+
+
 @pytest.mark.parametrize("last_of_all", [False, True])
-def test_the_way_home_is_that_of_the_motion_that_was_stopped(cutting, last_of_all):
+def test_the_way_home_is_that_of_the_motion_that_was_stopped(cutting, any_order, last_of_all):
     """The last one at a feature: the next one is of another feature, or leads home."""
-    robot = cutting(10**6, lambda c: None, on_stopped=operator)
+    robot = any_order(cutting(10**6, lambda c: None, on_stopped=operator))
 
     def last_at_feature(c):
         number = int(c.program.read("millingMotion"))
@@ -49,8 +73,8 @@ def test_the_way_home_is_that_of_the_motion_that_was_stopped(cutting, last_of_al
     assert way[1] != 0
 
 
-def test_a_point_on_the_way_home_is_gone_to_again(cutting):
-    robot = cutting(3, lambda c: c.cell.set_input("diDoorClamped", 0.0), on_stopped=operator)
+def test_a_point_on_the_way_home_is_gone_to_again(cutting, any_order):
+    robot = any_order(cutting(3, lambda c: c.cell.set_input("diDoorClamped", 0.0), on_stopped=operator))
     robot.run()
     goals: list[list[float]] = []
     at: list[int] = []
