@@ -197,8 +197,22 @@ MODULE DoorStop
     ENDPROC
 
     LOCAL TRAP OnSpindleLost
-        EndDoor TXT_SPINDLE_LOST,"";
+        EndDoor WhySpindleLost(),"";
     ENDTRAP
+
+    LOCAL FUNC num WhySpindleLost()
+        ! What took the drive's enable away, see EIO.cfg.
+        IF diToolClamped=0 THEN
+            RETURN TXT_TOOL_LOOSE;
+        ENDIF
+        IF diGuardClosed=0 THEN
+            RETURN TXT_GUARD_OPEN;
+        ENDIF
+        RETURN TXT_SPINDLE_LOST;
+    ERROR
+        SkipWarn;
+        RETURN TXT_SPINDLE_LOST;
+    ENDFUNC
 
     LOCAL TRAP OnDoorReleased
         EndDoor TXT_RELEASED,"";

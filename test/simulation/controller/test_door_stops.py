@@ -29,6 +29,14 @@ def assert_led_home(robot, reason: str) -> None:
     assert robot.program.read("doorInHand") is False
 
 
+def fail(cell, signal: str) -> None:
+    """An input falls; that of the drawbar because the plant has lost the tool."""
+    if signal == "diToolClamped":
+        cell.rack.carried = ""
+    else:
+        cell.set_input(signal, 0.0)
+
+
 @pytest.mark.parametrize(
     ("signal", "reason"),
     [
@@ -39,7 +47,7 @@ def assert_led_home(robot, reason: str) -> None:
 )
 @pytest.mark.parametrize("motion", [3, 9])
 def test_what_fails_in_the_cut_ends_the_door_on_the_path(cutting, signal, reason, motion):
-    robot = cutting(motion, lambda c: c.cell.set_input(signal, 0.0))
+    robot = cutting(motion, lambda c: fail(c.cell, signal))
     robot.run()
     stopped = robot.now()
     assert stopped - robot.happened[0] < 1.0
