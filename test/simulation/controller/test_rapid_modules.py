@@ -211,7 +211,12 @@ def test_the_configured_signals_are_those_that_are_used():
         for node in nodes(module)
         if isinstance(node, s.Variable) and re.fullmatch(r"[adg][io][A-Z]\w+", node.name)
     }
-    others = {"doSpindleRun", "soCycleOn", SPINDLE_LOAD}  # of the controller itself, and read by the PC alone
+    others = {
+        "doSpindleRun",
+        "doDrawbarRun",
+        "soCycleOn",
+        SPINDLE_LOAD,
+    }  # of the controller itself, and read by the PC alone
     assert used | others == set(signals)
     assert not used & others
     assert set(ALL_SIGNALS) | set(GROUP_SIGNALS) <= set(signals)
