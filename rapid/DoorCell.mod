@@ -99,20 +99,58 @@ MODULE DoorCell
 
     PROC WaitForRest()
         ! Nobody goes to a door while the mill beside it turns.
-        VAR bool late;
         VAR num answer;
 
-        WaitDI diSpindleStopped,1\MaxTime:=REST_TIMEOUT\TimeFlag:=late;
-        WHILE late DO
+        WHILE NOT ComesToRest() DO
             answer:=Ask(TXT_SPINDLE_TURNS,TXT_WAIT_REST,TXT_OK,0);
-            WaitDI diSpindleStopped,1\MaxTime:=REST_TIMEOUT\TimeFlag:=late;
         ENDWHILE
     ENDPROC
 
+    LOCAL FUNC bool ComesToRest()
+        VAR bool late;
+
+        WaitDI diSpindleStopped,1\MaxTime:=REST_TIMEOUT\TimeFlag:=late;
+        RETURN NOT late;
+    ERROR
+        ! Its device is lost: nobody knows.
+        SkipWarn;
+        RETURN FALSE;
+    ENDFUNC
+
+    PROC AllowClamp()
+        ! Whoever opens the clamp stands where the tool works.
+        IF AtHome() AND diSpindleStopped=1 THEN
+            Set doClampFree;
+        ENDIF
+    ERROR
+        ! A device that is lost allows nothing.
+        SkipWarn;
+        RETURN;
+    ENDPROC
+
+    PROC ForbidClamp()
+        Reset doClampFree;
+    ERROR
+        SkipWarn;
+        TRYNEXT;
+    ENDPROC
+
     PROC StopSpindle()
+        spindleSpeed:=0;
         Reset doSpindleOn;
         Reset doBlowOff;
         SetAO aoSpindleSpeed,0;
-        spindleSpeed:=0;
+    ERROR
+        ! A device that is lost keeps no door from ending: its outputs fell with it.
+        SkipWarn;
+        TRYNEXT;
+    ENDPROC
+
+    PROC ShutDrawbar()
+        ! What the drawbar let go of a tool it holds again.
+        Reset doDrawbarOpen;
+    ERROR
+        SkipWarn;
+        TRYNEXT;
     ENDPROC
 ENDMODULE

@@ -13,11 +13,13 @@ MODULE DoorLink
     CONST string MILLED_FILE:="Hei2.end";
     ! Written by whoever names the door that is being loaded; read once and removed.
     CONST string EXPECTED_FILE:="Hei2.exp";
+    CONST string EXPECTED_END:="#end";
     ! What a group of 16 signals holds; 0 is no request.
     CONST num MAX_REQUEST:=65535;
     CONST num READY_FALL_TIME:=30;
     CONST num NAME_TIME:=2;
     CONST num NAME_INTERVAL:=0.2;
+    CONST num CLAMP_INTERVAL:=0.04;
 
     ! The door that stands in the cell, named anew for each: by RWS, by EXPECTED_FILE or by giDoorNumber.
     ! ANY_DOOR switches the check off for this one door.
@@ -88,10 +90,16 @@ MODULE DoorLink
 
     PROC WaitUntilOut()
         ! Until the door that was begun is taken out.
-        WaitDI diDoorClamped,0;
+        WaitUntil ClampOpened()\PollRate:=CLAMP_INTERVAL;
         doorSpent:=FALSE;
         DropName;
     ENDPROC
+
+    LOCAL FUNC bool ClampOpened()
+        ! A stop takes the permission back.
+        AllowClamp;
+        RETURN diDoorClamped=0;
+    ENDFUNC
 
     PROC DropName()
         ! Written while a door was clamped it was that door's, read twice maybe: the next one is named anew.
@@ -121,22 +129,27 @@ MODULE DoorLink
             WaitDI diDoorClamped,1;
         ENDIF
         WatchLeaving;
+        AllowClamp;
         numberBefore:=0;
-        IF NOT DoorNamed() THEN
-            WaitUntil DoorNamed() OR diDoorClamped=0\MaxTime:=NAME_TIME\TimeFlag:=late\PollRate:=NAME_INTERVAL;
+        IF NOT NameOrChange() THEN
+            WaitUntil NameOrChange()\MaxTime:=NAME_TIME\TimeFlag:=late\PollRate:=NAME_INTERVAL;
             IF late THEN
                 Show TXT_WAIT_NAME;
-                WaitUntil DoorNamed() OR diDoorClamped=0\PollRate:=NAME_INTERVAL;
+                WaitUntil NameOrChange()\PollRate:=NAME_INTERVAL;
             ENDIF
         ENDIF
         nameTaken:=diDoorClamped=1 AND (NOT doorChanged);
     ENDPROC
 
+    LOCAL FUNC bool NameOrChange()
+        RETURN DoorNamed() OR diDoorClamped=0 OR doorChanged;
+    ENDFUNC
+
     LOCAL FUNC bool DoorNamed()
         VAR string name;
         VAR num number;
 
-        name:=FirstLine(EXPECTED_FILE);
+        name:=WholeName();
         IF name<>"" THEN
             RemoveNote EXPECTED_FILE;
             ! One that cannot be removed would name every door after this one.
@@ -299,6 +312,32 @@ MODULE DoorLink
         line:=ReadStr(note);
         CloseNote;
         IF line=EOF THEN
+            RETURN "";
+        ENDIF
+        RETURN line;
+    ERROR
+        SkipWarn;
+        IF noteOpen THEN
+            CloseNote;
+        ENDIF
+        RETURN "";
+    ENDFUNC
+
+    LOCAL FUNC string WholeName()
+        ! Empty until the last line is there: the file is written in place, and of door_10 door_1 may be read.
+        VAR string line;
+        VAR string last;
+
+        IF NOT IsFile("HOME:/"+EXPECTED_FILE) THEN
+            RETURN "";
+        ENDIF
+        noteOpen:=FALSE;
+        Open "HOME:"\File:=EXPECTED_FILE,note\Read;
+        noteOpen:=TRUE;
+        line:=ReadStr(note);
+        last:=ReadStr(note);
+        CloseNote;
+        IF last<>EXPECTED_END THEN
             RETURN "";
         ENDIF
         RETURN line;

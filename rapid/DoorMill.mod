@@ -33,7 +33,7 @@ MODULE DoorMill
         ConfL\Off;
         millingMotion:=0;
         StopSpindle;
-        Reset doDrawbarOpen;
+        ShutDrawbar;
         Reset doPathRequest;
         RecallRuns;
     ENDPROC
@@ -89,6 +89,7 @@ MODULE DoorMill
     LOCAL PROC MillMoves()
         BeginAtHome;
         FOR i FROM 1 TO moveCount DO
+            StayWhenForgotten;
             IF moves{i}.spindle<>spindleSpeed THEN
                 ! The motion before ended in a stop point, see ZoneBetween.
                 SetSpindle moves{i}.spindle;
@@ -106,6 +107,7 @@ MODULE DoorMill
                 MillMove moves{i},ZoneBetween(i);
             ENDIF
         ENDFOR
+        StayWhenForgotten;
         SetSpindle 0;
     ENDPROC
 
@@ -115,6 +117,7 @@ MODULE DoorMill
         IF row.cutting AND (NOT dryDoor) AND (row.spindle<>spindleSpeed OR diSpindleAtSpeed=0) THEN
             EndDoor TXT_SPINDLE_LOST,"";
         ENDIF
+        StayWhenForgotten;
         ! Reorientation and axis speeds of the predefined speeds, feed from the file.
         speed:=v100;
         speed.v_tcp:=row.speed;
@@ -206,6 +209,7 @@ MODULE DoorMill
         ! neither takes the door for one that came to nothing.
         Set doPathDone;
         Reset doPathBusy;
+        AllowClamp;
         Show TXT_MILLED;
         WaitUntilOut;
     ENDPROC

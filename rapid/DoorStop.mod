@@ -46,6 +46,8 @@ MODULE DoorStop
 
     ! Motions of a door are left in the program.
     LOCAL VAR bool motionsLeft:=FALSE;
+    ! They were forgotten, until main begins anew.
+    LOCAL VAR bool motionsForgotten:=FALSE;
     LOCAL VAR bool escapeFits:=TRUE;
     LOCAL VAR intnum spindleLost;
     LOCAL VAR intnum doorReleased;
@@ -62,6 +64,7 @@ MODULE DoorStop
         CONNECT goneOn WITH OnGoneOn;
         ISignalDO doMillAbort,1,goneOn;
         motionsLeft:=FALSE;
+        motionsForgotten:=FALSE;
         ! A start at main comes out of DoorRestarted too.
         StartMove;
     ENDPROC
@@ -148,20 +151,31 @@ MODULE DoorStop
         ! The robot first, then the spindle: a tool at rest in moving contact breaks.
         StopMove;
         WaitRob\ZeroSpeed;
-        StopSpindle;
         stopDetail:=detail;
         IF stopReason=0 THEN
             TellRefused reason,detail;
         ENDIF
         NoteStop reason;
+        StopSpindle;
         ClearPath;
         motionsLeft:=FALSE;
-        StartMove;
+        ! Until main begins, which lets the robot move again: in a trap that runs within an event routine ExitCycle
+        ! may end that routine alone.
+        motionsForgotten:=TRUE;
         ExitCycle;
+    ENDPROC
+
+    PROC StayWhenForgotten()
+        ! Behind each motion and before what follows from it: one that was forgotten is at its end at once, and the
+        ! trap that ends the door may come later than that.
+        IF motionsForgotten THEN
+            EndDoor TXT_STOPPED,"";
+        ENDIF
     ENDPROC
 
     PROC SetOff()
         ! From here on the robot is on its way.
+        ForbidClamp;
         stoppedKnown:=FALSE;
         underWay:=TRUE;
         motionsLeft:=TRUE;
@@ -186,16 +200,29 @@ MODULE DoorStop
             stoppedKnown:=TRUE;
         ENDIF
         underWay:=FALSE;
-        ! What the drawbar let go of a tool it holds again.
-        Reset doDrawbarOpen;
         ! Busy stays: the tool may stand in the door, which must not be taken out.
         Set doPathFault;
         Reset doPathRequest;
+        ShutDrawbar;
     ENDPROC
 
     LOCAL TRAP OnSpindleLost
-        EndDoor TXT_SPINDLE_LOST,"";
+        EndDoor WhySpindleLost(),"";
     ENDTRAP
+
+    LOCAL FUNC num WhySpindleLost()
+        ! What took the drive's enable away, see EIO.cfg.
+        IF diToolClamped=0 THEN
+            RETURN TXT_TOOL_LOOSE;
+        ENDIF
+        IF diGuardClosed=0 THEN
+            RETURN TXT_GUARD_OPEN;
+        ENDIF
+        RETURN TXT_SPINDLE_LOST;
+    ERROR
+        SkipWarn;
+        RETURN TXT_SPINDLE_LOST;
+    ENDFUNC
 
     LOCAL TRAP OnDoorReleased
         EndDoor TXT_RELEASED,"";
@@ -206,12 +233,16 @@ MODULE DoorStop
     ENDTRAP
 
     LOCAL TRAP OnDoorLeft
-        doorChanged:=TRUE;
+        DoorExchanged;
+    ENDTRAP
+
+    LOCAL PROC DoorExchanged()
         ! The next one is named once it is being loaded.
+        doorChanged:=TRUE;
         nameTaken:=TRUE;
         ForgetName;
         DropName;
-    ENDTRAP
+    ENDPROC
 
     LOCAL TRAP OnGuardOpened
         EndDoor TXT_GUARD_OPEN,"";
@@ -225,8 +256,9 @@ MODULE DoorStop
     ! Event routines, see SYS.cfg. None of them moves the robot or asks anything.
 
     PROC DoorStopped()
-        ! STOP, QSTOP: the robot stands. Once all is cut a stop is no reason to give the door up. Before, it is:
-        ! nobody sees what the clamp does until the next start. At the rack it always is.
+        ! STOP, QSTOP: the robot stands, and may be jogged. Once all is cut a stop is no reason to give the door up.
+        ! Before, it is: nobody sees what the clamp does until the next start. At the rack it always is.
+        ForbidClamp;
         IF GivenUp() THEN
             NoteStop TXT_STOPPED;
         ENDIF
@@ -239,34 +271,41 @@ MODULE DoorStop
     ENDFUNC
 
     PROC DoorPowered()
-        ! POWERON: the outputs fell with the power, what the program knows of the spindle did not.
+        ! POWERON: the outputs fell with the power, what the program knows of spindle and door did not.
+        IF doorInHand THEN
+            Set doPathBusy;
+        ENDIF
         DoorStopped;
     ENDPROC
 
     PROC DoorRestarted()
         ! START, STEP, RESTART: before anything moves on. Interrupts are lost while the program stands: the door may be
-        ! another one by now, and has to be named anew.
+        ! another one by now, and has to be named anew, whoever named which one meanwhile. Of errors no event told.
+        ForbidClamp;
         IF NOT doorInHand THEN
-            doorChanged:=TRUE;
-            ForgetName;
+            DoorExchanged;
         ENDIF
         IF GivenUp() THEN
             ! Where no event told of the stop, as after errors, nobody knows whether the robot was jogged since.
             underWay:=FALSE;
-            StopSpindle;
             NoteStop TXT_STOPPED;
+            StopSpindle;
         ENDIF
         ! What is left of the path of a door that ended stays unmoved. With none left people move it.
         IF stopReason<>0 AND motionsLeft THEN
             StopMove;
             ! No way back to the path either: the tool stands in the wood.
             ClearPath;
+            motionsForgotten:=TRUE;
+            ! It is high still when the program was stopped before its trap had run.
+            Reset doMillAbort;
             Set doMillAbort;
         ENDIF
     ENDPROC
 
     PROC DoorReset()
         ! RESET: the program is at main, its variables are new.
+        ForbidClamp;
         StopSpindle;
     ENDPROC
 
@@ -323,6 +362,10 @@ MODULE DoorStop
             underWay:=FALSE;
             NoteStop TXT_STOPPED;
         ENDIF
+        IF doorInHand THEN
+            ! Outputs may have fallen.
+            Set doPathBusy;
+        ENDIF
         reason:=stopReason;
         IF reason<>0 THEN
             Report reason,stopDetail;
@@ -344,6 +387,7 @@ MODULE DoorStop
         ENDWHILE
         WaitForRest;
         Reset doPathBusy;
+        AllowClamp;
         IF doorInHand THEN
             answer:=Ask(reason,TXT_ASK_NEXT,TXT_OK,0);
         ELSEIF stopReason<>0 THEN
@@ -381,13 +425,16 @@ MODULE DoorStop
             there:=CalcRobT(escape{1},toolMill\WObj:=wobjDoor);
             BackOut there;
             MoveL there,SPEED_CLEAR,fine,toolMill\WObj:=wobjDoor;
+            StayWhenForgotten;
             escapeNext:=1;
         ENDIF
         WHILE escapeNext<=escapeCount DO
             MoveAbsJ escape{escapeNext},v500,fine,toolMill\WObj:=wobjDoor;
+            StayWhenForgotten;
             escapeNext:=escapeNext+1;
         ENDWHILE
         GoHome;
+        StayWhenForgotten;
         motionsLeft:=FALSE;
     ENDPROC
 ENDMODULE

@@ -122,6 +122,7 @@ MODULE DoorTool
 
     LOCAL PROC LeaveRack()
         ! In front of the place again: the way home is known.
+        StayWhenForgotten;
         EndEscape TRUE;
         atRack:=FALSE;
     ENDPROC
@@ -206,6 +207,7 @@ MODULE DoorTool
     LOCAL PROC OpenDrawbar()
         VAR bool late;
 
+        StayWhenForgotten;
         Set doDrawbarOpen;
         WaitDI diToolReleased,1\MaxTime:=DRAWBAR_TIMEOUT\TimeFlag:=late;
         IF late THEN

@@ -62,5 +62,6 @@ REFUSED_FILE: Final = "Hei2.err"
 #: Written by the robot program before DONE rises: the run that it milled to its end last.
 MILLED_FILE: Final = "Hei2.end"
 #: Written by whoever knows which door is being loaded (`abb/expect_door`); the robot program reads it once the door
-#: is clamped, and removes it.
+#: is clamped, and removes it. Its last line says that the first one is whole: some transports write in place.
 EXPECTED_FILE: Final = "Hei2.exp"
+EXPECTED_END: Final = "#end"

@@ -165,11 +165,11 @@ class RobotCell:
         if self._controller is not None:
             self._hand_over(self._controller, controller)
         # Whatever became of the door before: it was taken out and the robot was led home.
-        for name in ("doorInHand", "doorSpent", "nameTaken"):
+        for name in ("doorInHand", "doorSpent"):
             controller.program.write(name, "FALSE")
         controller.program.write("stopReason", "0")
         self._controller = controller
-        controller.program.write("expectedDoor", f'"{door_id}"')
+        controller.name_door(door_id)
         controller.cell.spindle_works = self._spindle_works
         return RobotCellRun(controller)
 

@@ -565,7 +565,7 @@ def test_the_name_of_the_door_is_passed_on(cell: Cell) -> None:
     assert not told.done()
     cell.step()
     assert told.result(0) is None
-    assert cell.transport.read_file(signals.EXPECTED_FILE) == b"door_a\n"
+    assert cell.transport.read_file(signals.EXPECTED_FILE) == b"door_a\n#end\n"
 
 
 def test_the_name_of_the_door_is_passed_on_in_any_state(cell: Cell) -> None:
@@ -580,7 +580,7 @@ def test_the_last_name_counts(cell: Cell) -> None:
     cell.step()
     assert first.cancelled()
     assert second.result(0) is None
-    assert cell.transport.read_file(signals.EXPECTED_FILE) == b"door_b\n"
+    assert cell.transport.read_file(signals.EXPECTED_FILE) == b"door_b\n#end\n"
 
 
 @pytest.mark.parametrize("name", ["", "a\nb", "t\u00fcr", "x" * 41])

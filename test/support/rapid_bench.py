@@ -236,9 +236,7 @@ class WatchedController(VirtualController):
         if "diDoorClamped" in self.signal_kinds():
             self.cell.set_input("diDoorClamped", self.clamped)
         if self.program.has_data("expectedDoor"):
-            self.program.write("expectedDoor", f'"{self.expected}"')
-            # While it is loaded: a name that a door before had is forgotten with the start.
-            self.program.write("nameTaken", "FALSE")
+            self.name_door(self.expected)
         super().run(*args, **kwargs)
 
     @property

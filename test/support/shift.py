@@ -239,6 +239,8 @@ class Shift:
 
     def _load(self, number: int, door: str) -> None:
         """The door is named while it is being loaded: by its bar code, or by the line control."""
+        while not self.controller.pendant_lines and not self._ended:
+            time.sleep(0.005)  # a name from before the start is forgotten
         if number % 2:
             self.controller.cell.set_input("giDoorNumber", 1.0 + list(self.programs).index(door))
         else:

@@ -2,7 +2,7 @@
 
 One run: two doors, one after the other, on the modules in rapid/ and the virtual controller. While the first door is
 milled something happens: a stop, an emergency stop, an open guard, a loss of power, of the spindle or of the clamp; or
-the door is exchanged for another while the robot stands, from its request on.
+the door is exchanged for another while the robot stands, from its request on, or before it, once its name was read.
 The operator closes the guard, switches the motors on, answers dialogs by one of their buttons, names a door where he is
 asked to, presses start, and now and then moves the pointer to main first. He knows nothing else. `stops_judge` judges;
 besides, no door is reported as done that is not milled, and the last door is milled completely.
@@ -51,8 +51,12 @@ ROBOT = "irb6600_175_255"
 KINDS = (
     "program stop", "quick stop", "stop after instruction", "emergency stop 0", "emergency stop 1", "guard",
     "power failure", "motors off", "mode change", "spindle loss", "clamp loss",
-    "exchange at a stop", "exchange without power",
+    "exchange at a stop", "exchange without power", "named at a stop", "named without power",
 )  # fmt: skip
+#: The first door of a run whose door is named behind the program's back is loaded, then named [s].
+LOADED, NAMED = 1.5, 3.0
+#: How long after the stop that door is clamped and named, the clamp opens, and closes on the other door [s].
+NAMED_EXCHANGE = 0.2, 0.4, 0.6, 1.2
 #: From the request until the tool has begun to cut, about [s].
 PREPARATION = 5.0
 #: From the picture of a door until its file is there [s].
@@ -72,7 +76,8 @@ class Incident:
     Attributes:
         seed: Of the run.
         kind: One of KINDS.
-        delay: When, since the first door's first motion, of an exchange since its request [s].
+        delay: When, since the first door's first motion, of an exchange since its request, of one that is named
+            since the start [s].
         door: What is milled.
     """
 
@@ -86,7 +91,7 @@ def draw(seed: int) -> Incident:
     """The incident of a seed."""
     chance = random.Random(f"stops/{seed}")
     kind, door = KINDS[seed % len(KINDS)], DEEP if seed % 5 == 4 else SHALLOW
-    longest = PREPARATION if "exchange" in kind else milling_time(door)
+    longest = PREPARATION if "exchange" in kind or "named" in kind else milling_time(door)
     return Incident(seed, kind, chance.uniform(0.0, longest), door)
 
 
@@ -240,7 +245,12 @@ class Run:
         self._limit = LIMIT + 4.0 * milling_time(incident.door)
         self._asked: float | None = None
         self._begun: float | None = None
-        self._exchange: list[float] = []
+        #: What the plant does at which time [s].
+        self._plan: list[tuple[float, Callable[[], None]]] = []
+        if "named" in incident.kind:
+            self.robot.name_door("")
+            self.robot.cell.set_input(DOOR_CLAMPED, 0.0)
+            self._plan = [(LOADED, self._clamp), (NAMED, self._name_door)]
         self._ended_since: float | None = None
         self._swap: float | None = None
 
@@ -261,7 +271,7 @@ class Run:
     def _watch(self) -> None:
         """Everybody's turn as time passes."""
         now = self.robot.now()
-        self._exchange_door(now)
+        self._follow_the_plan(now)
         self._judge.watch()
         if now > self._limit:
             self.robot.stop()
@@ -297,30 +307,45 @@ class Run:
             self._begun = now
         if self._asked is None and self.robot.io.read(signals.REQUEST):
             self._asked = now
-        exchange = "exchange" in self._incident.kind
-        begin = self._asked if exchange else self._begun
+        exchange, named = "exchange" in self._incident.kind, "named" in self._incident.kind
+        begin = 0.0 if named else self._asked if exchange else self._begun
         if begin is None or self._struck or self._incident.kind == "nothing":
             return
         if now >= begin + self._incident.delay and self.robot.panel.running:
             self._struck = self.verdict.struck = True
             ACTIONS[self._incident.kind](self.robot.panel, self.robot)
+            # Behind the back of a program that stands: another door of the same kind.
             if exchange:
-                self._exchange = [now + delay for delay in EXCHANGE]
+                acts, delays = (self._release, self._clamp), EXCHANGE
+            elif named:
+                acts, delays = (
+                    (self._clamp, self._name_door, self._release_named, self._clamp),
+                    NAMED_EXCHANGE,
+                )
+            if exchange or named:
+                self._plan = [(now + delay, act) for delay, act in zip(delays, acts, strict=True)]
 
-    def _exchange_door(self, now: float) -> None:
-        """Behind the back of a program that stands: another door of the same kind, named as each is."""
-        if not self._exchange or now < self._exchange[0]:
-            return
-        self._exchange.pop(0)
-        opens = bool(self._exchange)
-        self.robot.cell.set_input(DOOR_CLAMPED, float(not opens))
-        if opens:
-            self._judge.new_door(self._runs)
-            self._name_door()
+    def _follow_the_plan(self, now: float) -> None:
+        if self._plan and now >= self._plan[0][0]:
+            self._plan.pop(0)[1]()
+
+    def _clamp(self) -> None:
+        self.robot.cell.set_input(DOOR_CLAMPED, 1.0)
+
+    def _release(self) -> None:
+        """The next door is named while it is being loaded."""
+        self._release_named()
+        self._name_door()
+
+    def _release_named(self) -> None:
+        """Nobody names the next door before the pendant asks for it."""
+        self.robot.cell.set_input(DOOR_CLAMPED, 0.0)
+        self._judge.new_door(self._runs, named=False)
 
     def _name_door(self) -> None:
-        """The bar code reader."""
-        (self._home / signals.EXPECTED_FILE).write_text(f"{self._incident.door}\n")
+        """The bar code reader, at the door that is there or is being loaded."""
+        (self._home / signals.EXPECTED_FILE).write_text(f"{self._incident.door}\n{signals.EXPECTED_END}\n")
+        self._judge.named = True
 
     def _accepted(self) -> int:
         """Number of the file that the robot said last that it accepted."""
@@ -383,6 +408,8 @@ ACTIONS: dict[str, Callable[[ControlPanel, VirtualController], None]] = {
     "clamp loss": lambda _, robot: robot.cell.set_input(DOOR_CLAMPED, 0.0),
     "exchange at a stop": lambda panel, _: panel.stop(),
     "exchange without power": lambda panel, _: panel.fail_power(),
+    "named at a stop": lambda panel, _: panel.stop(),
+    "named without power": lambda panel, _: panel.fail_power(),
 }
 
 

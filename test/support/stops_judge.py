@@ -4,7 +4,7 @@
 - A standing tool moves in the wood only where it was while it turned. Whatever shape tool and chips have, there it
   fits; beside that place teeth are drawn through wood that they stand in.
 - No spindle that is told to turn while the guard is open, and no motion then.
-- No cut into a door by a file that was accepted for the one before.
+- No cut into a door by a file that was accepted for the one before, and none into a door that nobody named.
 """
 
 from __future__ import annotations
@@ -36,7 +36,8 @@ class Verdict:
         strayed: Times at which a standing tool was moved in the wood where it never turned [s].
         turning: Times at which the spindle was told to turn with an open guard [s].
         moving: Times of motions with an open guard [s].
-        mistaken: Times of cuts by a file that was accepted for a door that was taken out [s].
+        mistaken: Times of cuts by a file that was accepted for a door that was taken out, or into a door that nobody
+            named [s].
         struck: The incident happened.
         done_unmilled: A door was reported as done that was not.
         recovered: The last door was milled completely and reported as done.
@@ -118,12 +119,14 @@ class Judge:
         self._slow_since: float | None = 0.0
         self._open_since: float | None = None
         self._stale = 0
+        #: Somebody named the door that is in the clamp.
+        self.named = True
         self.cut: set[Cell] = set()
 
-    def new_door(self, offered: int) -> None:
+    def new_door(self, offered: int, named: bool = True) -> None:
         """Another door stands there, all of its wood uncut; the files up to a number were for others."""
         self.cut.clear()
-        self._stale = offered
+        self._stale, self.named = offered, named
 
     def complete(self) -> bool:
         """Whether all that should be milled of the present door is."""
@@ -169,7 +172,8 @@ class Judge:
         place = cell_of(point)
         if self._share > STANDING:
             self.cut.add(place)
-            if self._stale and place in self._near and self._accepted() <= self._stale:
+            stale = self._stale and self._accepted() <= self._stale
+            if place in self._near and (stale or not self.named):
                 self._verdict.mistaken.append(time)
             return
         if not feeding or grown([place]) & self.cut:

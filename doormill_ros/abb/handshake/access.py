@@ -303,7 +303,7 @@ class ControllerAccess:
         Raises:
             LinkError: The file is perhaps not there.
         """
-        content = door_id.encode("ascii") + b"\n"
+        content = f"{door_id}\n{signals.EXPECTED_END}\n".encode("ascii")
         self.transport.write_file(signals.EXPECTED_FILE, content)
 
     def _optional_lines(self, name: str) -> list[str]:

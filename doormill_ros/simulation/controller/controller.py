@@ -87,7 +87,7 @@ class VirtualController(TaskMachine):
             start: Joint angles at the start, shape (6,) [rad]; None for the layout's home.
             T_flange_tool: The tool that is really mounted, shape (4, 4); None for the cell's.
             layout: The robot's rack, tool and home; None for those of config/cell.yaml.
-            expected_door: Door that stands in the cell, "*" for any; None leaves the module's value.
+            expected_door: Door that stands in the cell, "*" for any, see `name_door`; None for one that nobody names.
             commissioned: The tool was measured and the modules saved with it; False for them as they are shipped.
             time_scale: Simulated over real seconds for motions; None for as fast as possible.
             patience: Longest wait for a signal or a start [s] before the program is ended; None for ever.
@@ -149,10 +149,21 @@ class VirtualController(TaskMachine):
         restore(self.program, self._saved)
         check_event_routines(installed.event_routines, self.program)
         self.execution.event_routines = installed.event_routines
+        self._named: str | None = None
+        self.execution.on_started = self._tell_name
         if expected_door is not None:
-            self.program.write(EXPECTED_DOOR, f'"{expected_door}"')
+            self.name_door(expected_door)
 
     # What the surroundings use
+
+    def name_door(self, door_id: str) -> None:
+        """Have the panel name the door in the clamp with the next start: the program forgets names from before it."""
+        self._named = door_id
+
+    def _tell_name(self) -> None:
+        if self._named is not None:
+            self.program.write(EXPECTED_DOOR, f'"{self._named}"')
+        self._named = None
 
     def run(self, routine: str = "main", cycles: int = 1, reset: bool = True) -> None:
         """Start a procedure; blocks until it ends, through everything that stops it.

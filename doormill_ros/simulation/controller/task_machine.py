@@ -82,6 +82,7 @@ class TaskMachine:
 
     def read_signal(self, name: str) -> float:
         """Present value of a signal."""
+        self.cell.reach(name)
         return self.cell.read(name)
 
     def write_signal(self, name: str, value: float) -> None:

@@ -80,10 +80,10 @@ def expected(tmp_path: Path) -> str:
 def test_a_door_is_named_by_its_id_or_its_bar_code(ask: Ask, tmp_path: Path) -> None:
     answer = ask(door_id="thesis_190_0deg")
     assert (answer.success, answer.error_code, answer.door_id) == (True, 0, "thesis_190_0deg")
-    assert expected(tmp_path) == "thesis_190_0deg\n"
+    assert expected(tmp_path) == "thesis_190_0deg\n#end\n"
     answer = ask(bar_code=CODE)
     assert (answer.success, answer.error_code, answer.door_id) == (True, 0, DOOR)
-    assert expected(tmp_path) == f"{DOOR}\n"
+    assert expected(tmp_path) == f"{DOOR}\n#end\n"
 
 
 @pytest.mark.parametrize(
@@ -112,12 +112,18 @@ def test_the_robot_program_takes_the_name_once_and_asks_for_that_door_alone(
     arm,  # noqa: F811
 ) -> None:
     """With the program waiting for a name, until it has asked for a path."""
-    assert ask(bar_code=CODE).success
-    robot = VirtualController(
-        tmp_path / "home", arm, on_wait=lambda c: c.io.read(signals.REQUEST) and c.stop()
-    )
+    answers: list[bool] = []
+
+    def plant(robot: VirtualController) -> None:
+        if not answers:
+            answers.append(ask(bar_code=CODE).success)
+        if robot.io.read(signals.REQUEST):
+            robot.stop()
+
+    robot = VirtualController(tmp_path / "home", arm, on_wait=plant)
     robot.panel.start()
     robot.serve()
+    assert answers == [True]
     assert robot.io.read(signals.REQUEST) == 1
     assert robot.program.read("expectedDoor") == DOOR
     assert expected(tmp_path) == ""

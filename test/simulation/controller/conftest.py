@@ -1,5 +1,6 @@
 """Fixtures of these tests; they stand in `support`, where several folders find them."""
 
+from support.door_cutting import cutting  # noqa: F401
 from support.rapid_bench import (  # noqa: F401
     answer,
     arm,

@@ -429,7 +429,7 @@ def test_no_door_for_an_hour_does_not_stop_the_robot(good, controller):
 def test_a_door_without_a_name_for_ten_minutes_does_not_stop_the_robot(good, controller):
     def name(c):
         if not c.program.read("doorSpent") and c.program.read("expectedDoor") == "":
-            (c.home / "Hei2.exp").write_text("thesis_190_0deg\n")
+            (c.home / "Hei2.exp").write_text(f"thesis_190_0deg\n{signals.EXPECTED_END}\n")
         answer(c)
 
     robot = controller(expected_door="", on_wait=after(600.0, name), patience=None)

@@ -41,6 +41,20 @@ def name_of(robot) -> str:
     return robot.program.read("expectedDoor")
 
 
+def load_named(then):
+    """The bar code of a door is read before it is clamped."""
+    loaded: list[float] = []
+
+    def plant(robot):
+        if not loaded:
+            loaded.append(robot.now())
+            (robot.home / signals.EXPECTED_FILE).write_text(f"door_by_code\n{signals.EXPECTED_END}\n")
+            robot.cell.set_input("diDoorClamped", 1.0)
+        return then(robot)
+
+    return plant
+
+
 @pytest.mark.parametrize(
     ("number", "name"), [(1, "door_one"), (2, ""), (3, "door_three"), (0, ""), (4, ""), (33, ""), (255, "")]
 )
@@ -65,8 +79,8 @@ def test_a_number_counts_when_it_stays(waiting):
 
 
 def test_a_name_goes_before_a_number(waiting):
-    robot = waiting(lambda c: ended(c, 5.0))
-    (robot.home / signals.EXPECTED_FILE).write_text("door_by_code\n")
+    robot = waiting(load_named(lambda c: ended(c, 5.0)))
+    robot.cell.set_input("diDoorClamped", 0.0)
     robot.cell.set_input("giDoorNumber", 1.0)
     assert name_of(robot) == "door_by_code"
     assert not (robot.home / signals.EXPECTED_FILE).exists()
@@ -98,13 +112,17 @@ def test_a_door_that_leaves_takes_its_name_along(waiting):
 
 def plant_of_two_doors(seen: list[str], opened: list[float]):
     """Mills the door that was named, whose bar code is read twice; then the clamp takes one that nobody names."""
+    named: list[float] = []
 
     def plant(c):
         request = int(c.program.read("requestNumber")) if c.io.read(signals.REQUEST) else 0
+        if not named:
+            named.append(c.now())
+            (c.home / signals.EXPECTED_FILE).write_text(f"thesis_190_0deg\n{signals.EXPECTED_END}\n")
         if not opened:
             if request and not seen:
                 seen.append("read again")
-                (c.home / signals.EXPECTED_FILE).write_text("thesis_190_0deg\n")
+                (c.home / signals.EXPECTED_FILE).write_text(f"thesis_190_0deg\n{signals.EXPECTED_END}\n")
             if c.program.read("doorSpent") and not c.program.read("doorInHand"):
                 opened.append(c.now())
                 c.cell.set_input("diDoorClamped", 0.0)
@@ -127,7 +145,6 @@ def test_a_bar_code_that_is_read_twice_names_one_door(controller, door):
     plant = plant_of_two_doors(seen, opened)
     robot = controller(expected_door="", patience=None, on_wait=lambda c: plant(c))
     (robot.home / signals.TARGET_FILE).write_bytes(render_target_file(door("thesis_190_0deg"), "run-1"))
-    (robot.home / signals.EXPECTED_FILE).write_text("thesis_190_0deg\n")
     robot.cell.set_input("diDoorClamped", 1.0)
     robot.panel.start()
     robot.serve()
@@ -139,8 +156,8 @@ def test_a_bar_code_that_is_read_twice_names_one_door(controller, door):
 
 def test_a_name_that_cannot_be_taken_away_names_no_door(waiting, monkeypatch):
     """It would name every door after this one."""
-    robot = waiting(lambda c: ended(c, 5.0))
-    (robot.home / signals.EXPECTED_FILE).write_text("door_by_code\n")
+    robot = waiting(load_named(lambda c: ended(c, 5.0)))
+    robot.cell.set_input("diDoorClamped", 0.0)
     unlink = Path.unlink
 
     def held(path, *args, **kwargs):
@@ -150,3 +167,87 @@ def test_a_name_that_cannot_be_taken_away_names_no_door(waiting, monkeypatch):
 
     monkeypatch.setattr(Path, "unlink", held)
     assert name_of(robot) == ""
+
+
+def exchange_while_it_stands(when):
+    """Stops at a look of `when`; a door is loaded and named, then exchanged for one that nobody names."""
+    stopped: list[float] = []
+
+    def stop(c):
+        if not stopped and when(c):
+            stopped.append(c.now())
+            c.panel.stop()
+        if stopped and (c.io.read(signals.REQUEST) or c.now() > stopped[0] + 5.0):
+            c.stop()
+
+    def exchange(c):
+        (c.home / signals.EXPECTED_FILE).write_text(f"door_a\n{signals.EXPECTED_END}\n")
+        for clamped in (1.0, 0.0, 1.0):
+            c.cell.set_input("diDoorClamped", clamped)
+        c.panel.start()
+
+    return stop, exchange, stopped
+
+
+@pytest.mark.parametrize("clamped", [0.0, 1.0])
+def test_a_name_that_is_read_while_the_program_stands_names_no_door(controller, clamped):
+    """Stopped in the wait for a door, and in the wait for its name: nobody saw which door it was of."""
+    asked = ("Waiting for a door in the clamp.", "Waiting for the name of the door.")[int(clamped)]
+    stop, exchange, stopped = exchange_while_it_stands(lambda c: asked in c.pendant_lines)
+    robot = controller(expected_door="", patience=None, on_wait=stop, on_stopped=exchange)
+    robot.cell.set_input("diDoorClamped", clamped)
+    robot.panel.start()
+    robot.serve()
+    assert stopped
+    assert ("doPathRequest", 1) not in robot.io.history
+    assert robot.program.read("expectedDoor") == ""
+    assert not (robot.home / signals.EXPECTED_FILE).exists()
+
+
+def test_a_name_that_the_panel_wrote_while_the_program_stood_names_no_door(controller):
+    stop, exchange, stopped = exchange_while_it_stands(
+        lambda c: "Waiting for the name of the door." in c.pendant_lines
+    )
+
+    def named(c):
+        c.program.write("expectedDoor", '"door_a"')
+        exchange(c)
+
+    robot = controller(expected_door="", patience=None, on_wait=stop, on_stopped=named)
+    robot.panel.start()
+    robot.serve()
+    assert stopped
+    assert ("doPathRequest", 1) not in robot.io.history
+
+
+def test_a_door_that_is_named_after_the_start_is_asked_for(controller):
+    """The wait for a name goes on with the door that stands there now."""
+    stop, exchange, stopped = exchange_while_it_stands(
+        lambda c: "Waiting for the name of the door." in c.pendant_lines
+    )
+
+    def name(c):
+        stop(c)
+        if stopped and c.now() > stopped[0] + 2.0:
+            (c.home / signals.EXPECTED_FILE).write_text(f"door_b\n{signals.EXPECTED_END}\n")
+
+    robot = controller(expected_door="", patience=None, on_wait=name, on_stopped=exchange)
+    assert name_of(robot) == "door_b"
+
+
+@pytest.mark.parametrize("torn", [0, 6, 7, 8, 11])
+def test_a_name_that_is_being_written_is_not_taken_for_another(waiting, torn):
+    """It is written in place, while the program looks: of door_10 as much as door_1 may be there."""
+    whole = f"door_10\n{signals.EXPECTED_END}\n"
+    begun: list[float] = []
+
+    def plant(robot):
+        path = robot.home / signals.EXPECTED_FILE
+        if not begun:
+            begun.append(robot.now())
+            path.write_text(whole[:torn])
+        elif robot.now() > begun[0] + 3.0 and path.exists():
+            path.write_text(whole)
+        return ended(robot, 6.0)
+
+    assert name_of(waiting(plant)) == "door_10"

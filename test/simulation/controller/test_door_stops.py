@@ -8,33 +8,10 @@ import pytest
 from doormill_ros.abb import signals
 from doormill_ros.abb.target_file.target_file import render_target_file
 from doormill_ros.simulation.controller.operation.states import OperatingMode
-from doormill_ros.simulation.controller.rapid.errors import RapidStoppedError
+from support.door_cutting import next_cycle, operator
 from support.rapid_bench import answer
 
 HOME = [0.0, -40.0, 30.0, 0.0, 10.0, 0.0]
-
-
-@pytest.fixture
-def cutting(door, controller):
-    """A robot with the door's file, and what happens to it once while it cuts a given motion."""
-
-    def cutting_(motion: int, happens, **kwargs):
-        data = render_target_file(door("thesis_190_0deg"), "run-1")
-        robot = controller(patience=None, **kwargs)
-        (robot.home / signals.TARGET_FILE).write_bytes(data)
-        done = []
-
-        def watch(c):
-            if not done and c.program.read("millingMotion") >= motion and c.moving and c.context.cutting:
-                done.append(c.now())
-                happens(c)
-
-        robot._on_time = watch
-        robot.teach_pendant.operator = lambda dialog: dialog.buttons[0][0]
-        robot.happened = done
-        return robot
-
-    return cutting_
 
 
 def assert_led_home(robot, reason: str) -> None:
@@ -52,12 +29,12 @@ def assert_led_home(robot, reason: str) -> None:
     assert robot.program.read("doorInHand") is False
 
 
-def next_cycle(robot) -> None:
-    """Main begins anew and waits for the door to be taken out."""
-    robot._on_time = lambda c: c.program.read("doorInHand") is False and c.stop()
-    robot.clamped = 1.0
-    with pytest.raises(RapidStoppedError, match="stopped from outside"):
-        robot.run(reset=False)
+def fail(cell, signal: str) -> None:
+    """An input falls; that of the drawbar because the plant has lost the tool."""
+    if signal == "diToolClamped":
+        cell.rack.carried = ""
+    else:
+        cell.set_input(signal, 0.0)
 
 
 @pytest.mark.parametrize(
@@ -70,7 +47,7 @@ def next_cycle(robot) -> None:
 )
 @pytest.mark.parametrize("motion", [3, 9])
 def test_what_fails_in_the_cut_ends_the_door_on_the_path(cutting, signal, reason, motion):
-    robot = cutting(motion, lambda c: c.cell.set_input(signal, 0.0))
+    robot = cutting(motion, lambda c: fail(c.cell, signal))
     robot.run()
     stopped = robot.now()
     assert stopped - robot.happened[0] < 1.0
@@ -102,19 +79,6 @@ def test_an_open_guard_ends_the_door_where_the_controller_itself_does_not_stop(c
     assert_led_home(robot, "The guard was opened while milling.")
 
 
-def operator(robot) -> None:
-    """Closes, releases, switches on and starts; nothing more."""
-    state = robot.panel.state
-    if not state.powered:
-        robot.panel.restore_power()
-    robot.panel.release_emergency_stop()
-    robot.panel.close_guard()
-    if not robot.panel.motors_on:
-        robot.panel.motors(True)
-    if not robot.panel.running:
-        robot.panel.start()
-
-
 @pytest.mark.parametrize("what", ["stop", "emergency_stop", "open_guard", "fail_power"])
 @pytest.mark.parametrize("motion", [3, 9])
 def test_a_stop_in_the_cut_is_not_gone_on_from(cutting, what, motion):
@@ -124,6 +88,28 @@ def test_a_stop_in_the_cut_is_not_gone_on_from(cutting, what, motion):
     assert_led_home(robot, "The robot was stopped while milling.")
     recording = robot._engine.recording
     assert len(recording.time) > 2
+
+
+@pytest.mark.parametrize("motion", [3, 9])
+def test_a_stop_just_behind_the_start_ends_the_door_with_the_next_one(cutting, motion):
+    """The program is stopped again before the trap of going on has run."""
+    robot = cutting(motion, lambda c: c.panel.stop(), on_stopped=operator)
+    again: list[float] = []
+    before = robot._on_time
+
+    def watch(c):
+        before(c)
+        if not again and c.read_signal("doMillAbort") and c.panel.running:
+            again.append(c.now())
+            c.panel.stop()
+        if again and c.now() > again[0] + 60.0:
+            c.stop()
+
+    robot._on_time = watch
+    robot.run()
+    assert again
+    next_cycle(robot)
+    assert_led_home(robot, "The robot was stopped while milling.")
 
 
 @pytest.mark.parametrize("power", [True, False])

@@ -64,7 +64,7 @@ class Cell:
     def mill(self, cycles: int = 1) -> None:
         if cycles == 1:
             self.robot.cell.set_input("diDoorClamped", 1.0)
-            self.robot.program.write("expectedDoor", f'"{DOOR}"')
+            self.robot.name_door(DOOR)
         self.robot.run(cycles=cycles)
         for _ in range(4):
             self.handshake.step()

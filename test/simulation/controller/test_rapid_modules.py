@@ -93,7 +93,7 @@ def test_what_the_spindle_owes_has_an_end_and_what_people_owe_has_none():
     people = ("diDoorClamped", "diGuardClosed")
     assert limited == {name: {name in machines} for name in (*machines, *people)}
     untimed = [call for _, call in calls("WaitUntil") if option(call, "MaxTime") is None]
-    assert len(untimed) == 3
+    assert len(untimed) == 4
     timed = [call for name in ("WaitDI", "WaitUntil") for _, call in calls(name) if option(call, "MaxTime")]
     assert timed
     assert all(option(call, "TimeFlag") for call in timed)
@@ -211,7 +211,12 @@ def test_the_configured_signals_are_those_that_are_used():
         for node in nodes(module)
         if isinstance(node, s.Variable) and re.fullmatch(r"[adg][io][A-Z]\w+", node.name)
     }
-    others = {"doSpindleRun", "soCycleOn", SPINDLE_LOAD}  # of the controller itself, and read by the PC alone
+    others = {
+        "doSpindleRun",
+        "doDrawbarRun",
+        "soCycleOn",
+        SPINDLE_LOAD,
+    }  # of the controller itself, and read by the PC alone
     assert used | others == set(signals)
     assert not used & others
     assert set(ALL_SIGNALS) | set(GROUP_SIGNALS) <= set(signals)

@@ -47,3 +47,41 @@ def test_it_is_switched_off_when_the_program_stops_too(told):
     one.cell.advance(6.5)
     assert one.cell.read("doSpindleOn") == 1.0
     assert one.spindle_turned(TIMES).tolist() == [False, False, False, True, True, True, False, False]
+
+
+@pytest.mark.parametrize("signal", ["diGuardClosed", "diToolClamped"])
+def test_it_does_not_turn_beside_an_open_guard_or_with_a_loose_tool_whoever_sets_the_output(told, signal):
+    one, write = told
+    write("aoSpindleSpeed", 6000, 1.0)
+    write("doSpindleOn", 1, 1.0)
+    assert one.cell.read("doSpindleRun") == 1.0
+    if signal == "diToolClamped":
+        one.cell.rack.carried = ""
+    else:
+        one.cell.set_input(signal, 0.0)
+    write(None, 0, 1.1)
+    assert one.cell.read("doSpindleRun") == 0.0
+    one.cell.advance(4.0)
+    assert not one.spindle_turned(TIMES).any()
+
+
+def test_the_drawbar_stays_shut_while_the_spindle_turns_whoever_sets_the_output(told):
+    one, write = told
+    write("aoSpindleSpeed", 6000, 1.0)
+    write("doSpindleOn", 1, 1.0)
+    write(None, 0, 2.5)
+    assert one.cell.read("diSpindleAtSpeed") == 1.0
+    write("doDrawbarOpen", 1, 3.0)
+    write(None, 0, 3.5)
+    assert one.cell.rack.harm == []
+    assert not one.cell.rack.opened
+
+
+def test_the_drawbar_opens_at_rest(told):
+    one, write = told
+    write("doDrawbarOpen", 1, 1.0)
+    write(None, 0, 1.5)
+    assert one.cell.rack.opened
+    write("doDrawbarOpen", 0, 2.0)
+    write(None, 0, 2.5)
+    assert not one.cell.rack.opened

@@ -92,6 +92,8 @@ class RapidRobot:
         while True:
             placement, door = self.world.door()[0] + 1, self.chance.choice(DOORS)
             self.world.clamp(placement, door)
+            while not self.controller.pendant_lines:
+                time.sleep(0.005)  # a name from before the start is forgotten
             self.controller.program.write(EXPECTED_DOOR, f'"{door}"')
             self.inside = (placement, door)
             self.controller.cell.set_input(DOOR_CLAMPED, 1)

@@ -9,7 +9,7 @@ import numpy as np
 from doormill_ros.abb.signals import ALL_SIGNALS, GROUP_SIGNALS
 from doormill_ros.arrays import FloatArray
 from doormill_ros.simulation.controller.cabinet.io_port import IoPort
-from doormill_ros.simulation.controller.cabinet.tool_rack import DRAWBAR_OPEN, GAUGE, ToolRack
+from doormill_ros.simulation.controller.cabinet.tool_rack import DRAWBAR_OPEN, DRAWBAR_RUN, GAUGE, ToolRack
 from doormill_ros.simulation.controller.configuration.io_configuration import IoConfiguration
 from doormill_ros.simulation.controller.rapid.errors import SignalError
 from doormill_ros.simulation.controller.rapid.faults import RapidFault, RapidStop
@@ -30,8 +30,10 @@ class SimulatedCell:
         spindle_time: Time in which the spindle comes to speed [s].
         coasting_time: Time in which it comes to rest [s].
         spindle_drive: Output that makes the spindle turn.
+        drawbar_valve: Output that opens the drawbar.
         spindle_works: False for a spindle that never comes to speed.
         rack: Drawbar, tools and gauge.
+        lost: Signals of an I/O device that the controller does not reach, see `lose`.
         mark: Another object after each change of a signal that the cell itself holds, analog inputs apart: a drive
             tells another load at every moment, and nothing that the system itself writes follows one.
     """
@@ -58,6 +60,7 @@ class SimulatedCell:
         #: Signals that only change here, not in the port and not with the robot.
         self.held = frozenset(self.kinds) - _OF_THE_PORT - {GAUGE}
         self._analog = frozenset(name for name, s in configuration.signals.items() if s.type == "AI")
+        self.lost: frozenset[str] = frozenset()
         self.mark = object()
         #: Mark, drawbar and tool for which its sensors say what they should.
         self._shown: tuple[object, bool, str] | None = None
@@ -67,6 +70,7 @@ class SimulatedCell:
             if name in self._values:
                 self._values[name] = 1.0
         self.spindle_drive = SPINDLE_RUN if SPINDLE_RUN in self._values else SPINDLE_ON
+        self.drawbar_valve = DRAWBAR_RUN if DRAWBAR_RUN in self._values else DRAWBAR_OPEN
         self.spindle_time = self.coasting_time = 1.5
         self.spindle_works = True
         self._spindle_due: float | None = None
@@ -92,9 +96,11 @@ class SimulatedCell:
         Raises:
             SignalError: Not an output.
             RapidStop: Its access level does not let RAPID write it.
-            RapidFault: ERR_AO_LIM, ERR_GO_LIM or ERR_ARGVALERR for a value out of range.
+            RapidFault: ERR_AO_LIM, ERR_GO_LIM or ERR_ARGVALERR for a value out of range, ERR_NORUNUNIT for a
+                signal of a device that is lost.
         """
         self._check(name)
+        self.reach(name)
         self._now = now
         signal = self.configuration.signals[name]
         if not signal.output:
@@ -118,7 +124,25 @@ class SimulatedCell:
     def force(self, name: str, value: float) -> None:
         """Set an output whatever its access level, as the system does."""
         self._check(name)
-        self._set(name, value, self._now)
+        if name not in self.lost:
+            self._set(name, value, self._now)
+
+    def lose(self, *names: str) -> None:
+        """Lose the device of these signals, or none: its outputs fall, its inputs stay as they were seen last."""
+        self.lost = frozenset()
+        for name in names:
+            if self.configuration.signals[name].output:
+                self.force(name, 0.0)
+        self.lost = frozenset(names)
+
+    def reach(self, name: str) -> None:
+        """What the program reads or writes.
+
+        Raises:
+            RapidFault: ERR_NORUNUNIT: the device of the signal is lost.
+        """
+        if name in self.lost:
+            raise RapidFault("ERR_NORUNUNIT", f"signal {name}: its I/O device is lost")
 
     def _set(self, name: str, value: float, now: float) -> None:
         if name in _OF_THE_PORT:
@@ -128,7 +152,7 @@ class SimulatedCell:
         if changed and name == self.spindle_drive and not value:
             self.spindle_turned.append((now, False))
         self._hold(name, value)
-        if changed and name == DRAWBAR_OPEN:
+        if changed and name == self.drawbar_valve:
             self.rack.order(now)
         if changed and name == self.spindle_drive and SPINDLE_STOPPED in self._values:
             self._hold(SPINDLE_STOPPED, 0.0)
@@ -165,7 +189,7 @@ class SimulatedCell:
             turning = bool(self._values.get(self.spindle_drive, 0.0)) or not self._values.get(
                 SPINDLE_STOPPED, 1.0
             )
-            self.rack.advance(now, bool(self._values.get(DRAWBAR_OPEN, 0.0)), self._flange(), turning)
+            self.rack.advance(now, bool(self._values.get(self.drawbar_valve, 0.0)), self._flange(), turning)
         self.show_drawbar()
 
     def show_drawbar(self) -> None:

@@ -12,6 +12,8 @@ from doormill_ros.cell.places.rack import Rack
 from doormill_ros.units import m_to_mm
 
 DRAWBAR_OPEN, RELEASED, CLAMPED = "doDrawbarOpen", "diToolReleased", "diToolClamped"
+#: Output to the drawbar's valve, where the cell has one of its own behind a cross connection.
+DRAWBAR_RUN = "doDrawbarRun"
 GAUGE = "aiToolGauge"
 DRAWBAR_TIME = 0.4  #: in which the drawbar opens or closes [s]
 SEATED = 1e-3  #: a spindle this close to the seat of a place holds or leaves the tool there [m]

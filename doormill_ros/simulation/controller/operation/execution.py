@@ -72,6 +72,8 @@ class Execution:
     Attributes:
         event_routines: Names of the routines of each event.
         keeps_on: Whether a program that stopped with an error waits for the operator; else the error is raised.
+        regains_first: The other order of a start: back to the path, then RESTART.
+        on_started: Called when a program starts at main, after its event routines.
     """
 
     def __init__(
@@ -90,6 +92,8 @@ class Execution:
         self._outputs, self._log, self._limits = outputs, log, limits
         self.event_routines: Mapping[str, Sequence[str]] = {}
         self.keeps_on = keeps_on
+        self.regains_first = False
+        self.on_started: Callable[[], None] = lambda: None
         self._deadline: float | None = None
         self.in_event = False
         clock.react = self.react
@@ -115,6 +119,7 @@ class Execution:
                 if at_main:
                     self._panel.started()
                     self._event("START")
+                    self.on_started()
                     self._engine.release(OPERATION)
                     self._check()
                 program = self._task.program
@@ -220,14 +225,20 @@ class Execution:
         self._stand(at_main=False)
         self._panel.started()
         self._task.program.context.interrupts.discard()
+        if self.regains_first:
+            self._regain()
         self._event("RESTART")
         self._check()
+        if not self.regains_first:
+            self._regain()
+        self._engine.release(OPERATION)
+        self._log("information", "Program restarted", "from where it was stopped", PROGRAM_RESTARTED)
+
+    def _regain(self) -> None:
         while self._engine.regain():
             while self._engine.regaining:
                 self._clock.step(self._engine.until_next())
                 self._check()
-        self._engine.release(OPERATION)
-        self._log("information", "Program restarted", "from where it was stopped", PROGRAM_RESTARTED)
 
     def _stand(self, at_main: bool) -> None:
         """Wait for a start that can be carried out.

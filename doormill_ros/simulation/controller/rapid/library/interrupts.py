@@ -19,12 +19,18 @@ _ONCE = "\\switch Single | switch SingleSafe"
 
 
 def _edge(context: Context, signal: str, trigger: float | None) -> Callable[[], bool]:
-    """A change of a signal to a value, or any change with None; its value when ordered is no event."""
+    """A change of a signal to a value, or any change with None; its value when ordered is no event.
+
+    A signal whose device is lost changes no more [?], the harsher reading.
+    """
     read = context.machine.read_signal
     last = [read(signal)]
 
     def occurred() -> bool:
-        value, before = read(signal), last[0]
+        try:
+            value, before = read(signal), last[0]
+        except RapidFault:
+            return False
         last[0] = value
         return value != before and (trigger is None or value == trigger)
 
