@@ -184,7 +184,15 @@ CALLED_FROM_OUTSIDE = {
     # rclpy calls the states of a managed node, alembic the steps of a migration, pickle the finder of its classes.
     *("on_configure", "on_activate", "on_deactivate", "on_cleanup", "on_shutdown", "downgrade", "find_class"),
     # What a person does at the simulated controller, who is somebody else in every test.
-    *("reload_modules", "set_mode", "emergency_stop", "release_emergency_stop", "open_guard", "close_guard"),
+    *(
+        "reload_modules",
+        "set_mode",
+        "emergency_stop",
+        "release_emergency_stop",
+        "open_guard",
+        "close_guard",
+        "lose",
+    ),
     *("fail_power", "restore_power", "warm_start", "expire_sessions"),
     *("give_locally", "take_locally"),
     "compose_document",  # by the YAML reader

@@ -20,6 +20,7 @@ from doormill_ros.abb import link_errors, signals
 from doormill_ros.abb.backoff import Backoff, Outage
 from doormill_ros.abb.handshake.access import ControllerAccess
 from doormill_ros.abb.handshake.announced import AnnouncedWatch
+from doormill_ros.abb.handshake.failure import may_be_taken, sentence, state_after
 from doormill_ros.abb.handshake.inbox import Inbox, Submission
 from doormill_ros.abb.handshake.ledger import RunLedger
 from doormill_ros.abb.handshake.milling import MillingWatch
@@ -177,7 +178,9 @@ class Handshake:
         self._inbox.forget_abort()
         self._watch_at = self._clock() + self._timeouts.watch
         if former is not None:
-            after, reason, code = State.MILLING, self._taken(former), 0
+            after, reason, code = State.MILLING, self._milling.reason, 0
+            run_id, self._request.mark = former
+            self._update(run_id=run_id, door_id=self._runs.door_of(run_id))
         if not high:
             self._milling.look_back(False)
         if after is State.MILLING:
@@ -245,13 +248,9 @@ class Handshake:
             self._drop_submission(
                 link_errors.RequestWithdrawnError("the request fell before the file was written")
             )
-            former = self._milling.recall(self._runs)
-            if former is not None:
-                self._milling.begin()
-                self._enter(State.MILLING, self._taken(former), 0)
-            else:
-                self._enter(State.IDLE, f"no request; before: {self._snapshot.reason}", 0)
-            self._milling.look_back(False)
+            # Which also looks whether the robot took what was called back.
+            self._begin_clearing(State.IDLE, f"no request; before: {self._snapshot.reason}", 0)
+            self._step_clearing()
         elif (submission := self._inbox.take()) is not None:
             self._hand_over(submission)
         else:
@@ -305,30 +304,17 @@ class Handshake:
             self._runs.end_milling(self._snapshot.run_id, state is State.DONE, reason)
             self._enter(state, reason, 0)
 
-    def _taken(self, former: tuple[str, bytes]) -> str:
-        """Go on with a run that the robot took unseen; why it is milled."""
-        run_id, self._request.mark = former
-        outcome = self._runs.outcome(run_id)
-        self._update(run_id=run_id, door_id="" if outcome is None else outcome.door_id, outcome=outcome)
-        return self._milling.reason
-
     def _fail(self, error: LinkError) -> None:
         state = self._snapshot.state
         _LOG.warning("handshake, %s: %s", state.value, error.message)
-        resting = state in (State.IDLE, State.DONE)
-        milling_on = state is State.MILLING and not isinstance(error, link_errors.MillingTimeoutError)
-        waiting_on = state is State.REQUESTED and error.connection
-        after = state if resting or milling_on or waiting_on else State.FAILED
-        if state is State.MILLING and not milling_on:
+        after = state_after(state, error)
+        if state is State.MILLING and after is State.FAILED:
             self._runs.end_milling(self._snapshot.run_id, False, error.message)
         self._request.missed |= error.connection
         if isinstance(error, link_errors.RequestWithdrawnError):
             self._request.withdrawn()
-        reason = error.message
-        if error.connection and state in (State.READY, State.ACKNOWLEDGED):
-            reason += "; the controller may have taken the file: look at the robot before you repeat"
-        if state in (State.READY, State.ACKNOWLEDGED):
-            # Between its last look at ready and the fall of its request the robot takes a file that is called back.
+        reason = sentence(state, error)
+        if may_be_taken(state):
             self._milling.look_back(True, self._snapshot.run_id)
         self._finish(handed_over=False, code=error.code, reason=reason)
         self._drop_submission(error)

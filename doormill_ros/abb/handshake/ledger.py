@@ -36,8 +36,12 @@ class RunLedger:
         """A run that the robot took unseen, whatever was thought of it; how far the robot is with it."""
         known = self._outcomes.get(run_id)
         if run_id and (known is None or not known.handed_over):
-            door_id = "" if known is None else known.door_id
-            self._outcomes[run_id] = RunOutcome(run_id, door_id, True, 0, reason, milled)
+            self._outcomes[run_id] = RunOutcome(run_id, self.door_of(run_id), True, 0, reason, milled)
+
+    def door_of(self, run_id: str) -> str:
+        """The door of a run that ended; empty where it is unknown."""
+        known = self._outcomes.get(run_id)
+        return "" if known is None else known.door_id
 
     def end_milling(self, run_id: str, milled: bool, reason: str) -> None:
         """Say how the milling of a run that was handed over ended; without effect for another."""

@@ -19,7 +19,7 @@ NORM_TOLERANCE = 1e-4  #: of the squares of a quaternion of six decimals, and mo
 
 
 def format_tool(T_flange_tool: FloatArray) -> str:
-    """A tool as a RAPID pose in millimetres.
+    """A tool, T_flange_tool of shape (4, 4), as a RAPID pose in millimetres.
 
     Raises:
         TargetProgramError: It is no frame, or its tip is too far away.

@@ -47,12 +47,6 @@ def test_a_cause_hidden_by_an_effect_elsewhere_is_named_beside_its_law(tmp_path,
     assert needless(after, (), lambda line: None) == []
 
 
-def test_a_spring_is_named_though_a_base_that_turns_would_predict_the_same_in_every_trial(tmp_path):
-    truth, before = diagnosed(tmp_path, 40281)
-    assert (truth["named"]["cause"], truth["named"]["where"]) == ("joint_stiffness", "joint 1")
-    assert names(with_laws(before)) == [("joint_stiffness", "joint 1")]
-
-
 @pytest.mark.parametrize("seed", [200, 936])
 def test_a_law_alone_takes_no_name_when_causes_are_asked_for_again(tmp_path, seed, monkeypatch):
     truth, before = diagnosed(tmp_path, seed)

@@ -34,7 +34,6 @@ WILD_APART = 0.1
 #: Share of the excess over the noise that a cause must explain when structure remains.
 MAIN_PART = 0.3
 _OTHERS = "others would do as well"
-_NOTHING = 1e-3  #: difference of the cost of a row that is rounding
 
 
 class FitExaminer(Examiner[C, Fit[C]], Generic[C]):
@@ -88,7 +87,7 @@ class FitExaminer(Examiner[C, Fit[C]], Generic[C]):
         shapes = any(
             models.total(found) < models.total(best) + ENTRY or not beaten(self.problem, best, found)
             for other, found in models.rivals(best, cause)
-            if not other.named and not _same(best, found)
+            if not other.named
         )
         least = 0.0 if self.beside_laws else MAIN_PART
         explained = Margin(f"{cause!r} explains a share of what is wrong", share, least, "share")
@@ -158,11 +157,6 @@ def _believable(best: Fit[C], cause: C) -> bool:
         and not implausible(best, cause)
         and not any(other.spoils(cause) for other in best.members if not other.named)
     )
-
-
-def _same(best: Fit[C], found: Fit[C]) -> bool:
-    """Whether two models predict every row alike, left out: a base that turns is the spring of the first joint."""
-    return bool(np.all(np.abs(found.held_out_cost - best.held_out_cost) < _NOTHING))
 
 
 def implausible(found: Fit[C], cause: C) -> bool:
