@@ -1,5 +1,5 @@
 MODULE DoorCell
-    ! The cell: tool, work object, home position, doors by number, spindle.
+    ! The cell: tool, work object, home position, doors by number, spindle, clamp.
     ! Measure toolMill and jposHome on the cell before the first door.
 
     ! Tool centre point 250 mm in front of the flange, z along the spindle axis (config/cell.yaml).
@@ -121,6 +121,10 @@ MODULE DoorCell
         ! Whoever opens the clamp stands where the tool works.
         IF AtHome() AND diSpindleStopped=1 THEN
             Set doClampFree;
+            ! Who stopped the program in between may have moved the robot.
+            IF NOT AtHome() THEN
+                Reset doClampFree;
+            ENDIF
         ENDIF
     ERROR
         ! A device that is lost allows nothing.

@@ -10,8 +10,9 @@ MODULE DoorFile
     CONST num FILE_VERSION:=2;
     ! The file's home and jposHome are the same so far [deg].
     CONST num HOME_AGREES:=0.01;
-    ! So far may the tip of the file's tool be from that of toolMill along each axis, and turned [mm, deg].
-    CONST num TOOL_AGREES:=0.5;
+    ! So far may the tip of the file's tool be from that of toolMill along each axis, and turned [mm, deg]. Either may
+    ! be off by LENGTH_LIMIT from what a tool of its place should have.
+    CONST num TOOL_AGREES:=1;
     CONST num TOOL_TURN:=0.5;
     CONST num MAX_SPEED:=7000;
     CONST num MAX_CF:=4;
@@ -192,13 +193,17 @@ MODULE DoorFile
         VAR num turn;
 
         off:=a.trans-b.trans;
-        ! Of one orientation q and -q; rounding takes it beyond 1.
-        turn:=Abs(a.rot.q1*b.rot.q1+a.rot.q2*b.rot.q2+a.rot.q3*b.rot.q3+a.rot.q4*b.rot.q4);
+        ! Of one orientation q and -q; people type few decimals, and rounding takes it beyond 1.
+        turn:=Abs(Product(a.rot,b.rot))/Sqrt(Product(a.rot,a.rot)*Product(b.rot,b.rot));
         IF turn>1 THEN
             turn:=1;
         ENDIF
         RETURN Abs(off.x)<=TOOL_AGREES AND Abs(off.y)<=TOOL_AGREES AND Abs(off.z)<=TOOL_AGREES AND
             2*ACos(turn)<=TOOL_TURN;
+    ENDFUNC
+
+    LOCAL FUNC num Product(orient a,orient b)
+        RETURN a.q1*b.q1+a.q2*b.q2+a.q3*b.q3+a.q4*b.q4;
     ENDFUNC
 
     LOCAL PROC ReadPoints()

@@ -62,6 +62,9 @@ MODULE DoorLink
     LOCAL PROC LoseMemory(num number)
         IF number>0 THEN
             requestNumber:=number;
+        ELSEIF NOT WriteNote(REQUEST_FILE,NumToStr(requestNumber,0),"","") THEN
+            ! Without it the next start at main loses its memory once more.
+            Report TXT_NO_REQUEST,REQUEST_FILE;
         ENDIF
         ForgetDoor;
         ForgetTool;
@@ -174,10 +177,13 @@ MODULE DoorLink
             RETURN FALSE;
         ENDIF
         ! A ready signal that is still high belongs to an earlier file.
-        WaitUntil goPathReady=0 AND doPathReady=0\MaxTime:=READY_FALL_TIME\TimeFlag:=late;
+        WaitUntil ReadyIsLow() OR doorChanged\MaxTime:=READY_FALL_TIME\TimeFlag:=late;
         IF late THEN
             Show TXT_WAIT_PC;
-            WaitUntil goPathReady=0 AND doPathReady=0;
+            WaitUntil ReadyIsLow() OR doorChanged;
+        ENDIF
+        IF doorChanged THEN
+            RETURN FALSE;
         ENDIF
         IF NOT NumberRequest() THEN
             Report TXT_NO_REQUEST,REQUEST_FILE;
@@ -194,6 +200,10 @@ MODULE DoorLink
             RETURN FALSE;
         ENDIF
         RETURN TRUE;
+    ENDFUNC
+
+    LOCAL FUNC bool ReadyIsLow()
+        RETURN goPathReady=0 AND doPathReady=0;
     ENDFUNC
 
     FUNC bool PathReady()

@@ -198,6 +198,7 @@ MODULE DoorMill
         BeginEscape 1;
         EndEscape TRUE;
         GoHome;
+        StayWhenForgotten;
         IF dryDoor THEN
             EndDoor TXT_DRY_RUN,"";
         ENDIF

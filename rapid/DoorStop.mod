@@ -151,12 +151,12 @@ MODULE DoorStop
         ! The robot first, then the spindle: a tool at rest in moving contact breaks.
         StopMove;
         WaitRob\ZeroSpeed;
+        StopSpindle;
         stopDetail:=detail;
         IF stopReason=0 THEN
             TellRefused reason,detail;
         ENDIF
         NoteStop reason;
-        StopSpindle;
         ClearPath;
         motionsLeft:=FALSE;
         ! Until main begins, which lets the robot move again: in a trap that runs within an event routine ExitCycle

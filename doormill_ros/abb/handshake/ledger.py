@@ -35,7 +35,7 @@ class RunLedger:
     def recall(self, run_id: str, milled: bool | None, reason: str) -> None:
         """A run that the robot took unseen, whatever was thought of it; how far the robot is with it."""
         known = self._outcomes.get(run_id)
-        if run_id and (known is None or not known.handed_over):
+        if run_id and (known is None or not known.handed_over or (milled and not known.milled)):
             self._outcomes[run_id] = RunOutcome(run_id, self.door_of(run_id), True, 0, reason, milled)
 
     def door_of(self, run_id: str) -> str:

@@ -56,12 +56,15 @@ class MillingWatch:
             return None
         busy = self._access.optional_signal(signals.BUSY)
         accepted, mark, milled = self._access.last_runs()
-        if milled == (self._announced or milled):
+        if self._looked_for(milled):
             runs.recall(milled, True, "the robot noted the end of milling while nobody looked")
-        if not busy or accepted != (self._announced or accepted):
+        if not busy or not self._looked_for(accepted):
             return None
         runs.recall(accepted, None, self.reason)
         return accepted, mark
+
+    def _looked_for(self, run_id: str) -> bool:
+        return not self._announced or run_id == self._announced
 
     @property
     def reason(self) -> str:

@@ -167,7 +167,7 @@ class RwsHttp:
         logins, losses, backoff = 0, 0, Backoff(time.monotonic, _BUSY_FIRST, _BUSY_LAST)
         while True:
             try:
-                response = self._exchange(method, path, content, headers)
+                response = self._exchange(method, path, content, headers, deadline)
             except ConnectionLostError:
                 losses += 1
                 # What its caller has given up must not be sent any more.
@@ -204,7 +204,7 @@ class RwsHttp:
     ) -> httpx.Response:
         if self._fresh or not self._logged_in:
             self._send("GET", _LOGIN_PATH, None, {}, True, deadline)
-        response = self._exchange(method, path, content, headers, answer_challenge=False)
+        response = self._exchange(method, path, content, headers, deadline, answer_challenge=False)
         if response.status_code == 401:
             self._logged_in = False
             self._client.cookies.clear()
@@ -221,7 +221,13 @@ class RwsHttp:
         return response
 
     def _exchange(
-        self, method: str, path: str, content: Any, headers: dict[str, str], answer_challenge: bool = True
+        self,
+        method: str,
+        path: str,
+        content: Any,
+        headers: dict[str, str],
+        deadline: float,
+        answer_challenge: bool = True,
     ) -> httpx.Response:
         password = self._credentials.reveal
         auth: httpx.Auth | None = None
@@ -232,6 +238,10 @@ class RwsHttp:
         doing = f"{method} {path} at {self.url}"
         # A digest login is asked for and then answered.
         self._pace.wait(_TRIES)
+        if time.monotonic() > deadline:  # likewise
+            raise ControllerBusyError(
+                f"{doing}: it was asked too much before; nothing was sent", url=self.url
+            )
         sent = _TRIES
         try:
             response = self._client.request(

@@ -58,9 +58,7 @@ def _unnamed(model: Fit[ElasticCause]) -> list[ElasticCause]:
     return [member for member in model.members if not member.named]
 
 
-def _in_names(
-    models: BeamSearch[ElasticCause], model: Fit[ElasticCause], doubt: float = EQUAL
-) -> Fit[ElasticCause]:
+def _in_names(models: BeamSearch[ElasticCause], model: Fit[ElasticCause]) -> Fit[ElasticCause]:
     """The model with a cause in the place of all that has no name there, wherever one says as much."""
     for where in dict.fromkeys(place_of(member).where for member in _unnamed(model)):
         rest = models.without(model, *(one for one in _unnamed(model) if place_of(one).where == where))
@@ -70,7 +68,7 @@ def _in_names(
             if cause.named and place_of(cause).where == where and may_join(rest.members, cause)
         ]
         for other in models.ranked(named)[:1]:
-            if models.total(other) < models.total(model) + doubt:
+            if models.total(other) < models.total(model) + EQUAL:
                 model = other
     return model
 
@@ -126,11 +124,8 @@ def _behind(
     progress(f"{cause!r} against laws alone")
     terms, _ = law_terms(diagnosis)
     own = LawSearch(problem, extended.members, extended.theta, terms, place_of).total(told_by)
-    equal, where, effect = (
-        {other.key for other in finding.confusable},
-        place_of(cause).where,
-        _effect(problem, told_by, cause),
-    )
+    equal, where = {other.key for other in finding.confusable}, place_of(cause).where
+    effect = _effect(problem, told_by, cause)
     # What acts at its place, or does the same in every trial, says the same in other words and was asked before.
     rivals = [
         term
@@ -139,17 +134,19 @@ def _behind(
         and place_of(term).where != where
         and _followed(problem, term, effect) < 1.0 - _NOTHING
     ]
-    rest = [other for other in extended.members if other is not cause]
-    theta = np.concatenate([np.zeros(0), *(extended.theta[extended.part(other)] for other in rest)])
-    search = LawSearch(problem, rest, theta, rivals, place_of)
+    search = LawSearch(problem, *_rest(extended, cause), rivals, place_of)
     return search.total(search.run()) - own
 
 
 def _effect(problem: LoadingProblem, model: Fit[ElasticCause], cause: ElasticCause) -> FloatArray:
     """What a member changes, in standard deviations, shape (3 n,)."""
+    return (problem.predict(*_rest(model, cause)).white - model.prediction.white).ravel()
+
+
+def _rest(model: Fit[ElasticCause], cause: ElasticCause) -> tuple[tuple[ElasticCause, ...], FloatArray]:
+    """The other members, and their parameters as they are."""
     rest = tuple(other for other in model.members if other is not cause)
-    theta = np.concatenate([np.zeros(0), *(model.theta[model.part(other)] for other in rest)])
-    return (problem.predict(rest, theta).white - model.prediction.white).ravel()
+    return rest, np.concatenate([np.zeros(0), *(model.theta[model.part(other)] for other in rest)])
 
 
 def _followed(problem: LoadingProblem, term: ElasticCause, effect: FloatArray) -> float:

@@ -14,13 +14,10 @@ _SEEN_STEP = 0.5  # share of the step along the whole edge that must be between 
 _AS_FACE = 0.2  # what differs from the face by less than that share of what its strips do is face
 _STRAIGHT = 0.4e-3  # a strip that begins on all its parallels within that is cut off [m]
 _APART = 1.5e-3  # lines so far from one another have steps of their own [m]
-_BORDER, _SMOOTH = (
-    10,
-    5,
-)  # places over which a border shows all of its step, and that are averaged on each side of it
-_FADES = (
-    0.5  # light shows less than that share of its change over them, and less than that on what is on the face
-)
+# Places over which a border shows all of its step, and that are averaged on each side of it.
+_BORDER, _SMOOTH = 10, 5
+# Light shows less than that share of its change over them, and less than that on what is on the face.
+_FADES = 0.5
 
 
 def ends_face(sight: Surfaces, edge: str, line: EdgeLine, corner: float, end: float) -> bool:

@@ -272,7 +272,9 @@ class ReportingNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         timer = self._later.get(name)
         if timer is None:
             # Kept for the next time: a callback group never forgets what was made in it, destroyed or not.
-            self._later[name] = self.create_timer(DISPLAY_DELAY, lambda: self._call_due(name))
+            made = self.create_timer(DISPLAY_DELAY, lambda: self._call_due(name))
+            if self._later.setdefault(name, made) is not made:  # another thread was first
+                self.destroy_timer(made)
             return
         timer.reset()
         if self.executor is not None:

@@ -23,14 +23,15 @@ def made(door, controller):
     return made_
 
 
-def tool(x: float = 0.0, z: float = 250.0, turn: float = 0.0, sign: float = 1.0) -> str:
-    """toolMill with its tip there [mm], turned about y [deg]."""
+def tool(x: float = 0.0, z: float = 250.0, turn: float = 0.0, sign: float = 1.0, scale: float = 1.0) -> str:
+    """toolMill with its tip there [mm], turned about y [deg], by a quaternion that may have been typed in."""
+    sign *= scale
     half = np.radians(turn) / 2.0
     rot = f"[{sign * np.cos(half):.7f},0,{sign * np.sin(half):.7f},0]"
     return f"[TRUE,[[{x},0,{z}],{rot}],[20.12,[0,0,120],[1,0,0,0],0,0,0]]"
 
 
-@pytest.mark.parametrize("change", [{"z": 250.6}, {"z": 249.4}, {"x": 0.6}, {"turn": 0.7}, {"z": 130.0}])
+@pytest.mark.parametrize("change", [{"z": 251.1}, {"z": 248.9}, {"x": 1.1}, {"turn": 0.7}, {"z": 130.0}])
 def test_a_file_for_another_tool_is_refused(made, change):
     robot = made()
     robot.program.write("toolMill", tool(**change))
@@ -41,8 +42,10 @@ def test_a_file_for_another_tool_is_refused(made, change):
     )
 
 
-@pytest.mark.parametrize("change", [{"z": 250.5}, {"z": 249.5}, {"x": 0.4}, {"turn": 0.3}, {"sign": -1.0}])
-def test_a_tool_that_was_measured_is_the_files_within_half_a_millimetre(made, change):
+@pytest.mark.parametrize(
+    "change", [{"z": 250.9}, {"z": 249.1}, {"x": 0.9}, {"turn": 0.3}, {"sign": -1.0}, {"scale": 1.0003}]
+)
+def test_a_tool_that_was_measured_is_the_files_within_a_millimetre(made, change):
     robot = made()
     robot.program.write("toolMill", tool(**change))
     robot.run()

@@ -20,7 +20,7 @@ def plant(robot) -> None:
     """A PC, somebody who exchanges doors, and a bar code reader."""
     answer(robot)
     if robot.pendant_lines and robot.pendant_lines[-1] == "Waiting for the name of the door.":
-        (robot.home / signals.EXPECTED_FILE).write_text("thesis_190_0deg\n")
+        (robot.home / signals.EXPECTED_FILE).write_text(f"thesis_190_0deg\n{signals.EXPECTED_END}\n")
 
 
 @pytest.fixture
