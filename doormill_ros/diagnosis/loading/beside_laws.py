@@ -29,12 +29,6 @@ NEEDLESS = "laws without a name elsewhere do as well"
 _NOTHING = 1e-6  #: share of an effect that is rounding
 
 
-class _SearchBesideLaws(BeamSearch[ElasticCause]):
-    """With room for the laws."""
-
-    largest = LawSearch.largest
-
-
 class _BesideLaws(FittedQuestion[LoadingProblem, ElasticCause]):
     """A loading test, asked from a model with laws on."""
 
@@ -46,10 +40,11 @@ class _BesideLaws(FittedQuestion[LoadingProblem, ElasticCause]):
     def search(self, progress: Callable[[str], None]) -> Fit[ElasticCause]:
         """Laws may leave for causes, and causes for laws."""
         causes, terms = self.problem.candidates(), _unnamed(self._laws)
-        models = _SearchBesideLaws(self.problem, [*causes, *terms])
+        models = BeamSearch(self.problem, [*causes, *terms])
         start = _in_names(models, models.fit(self._laws.members, [self._laws.theta]))
         # What a name says as well is no shape without one: it would stand against that name.
-        self.models = _SearchBesideLaws(self.problem, [*causes, *_unnamed(start)], progress)
+        self.models = BeamSearch(self.problem, [*causes, *_unnamed(start)], progress)
+        self.models.largest = LawSearch.largest  # with room for the laws
         self.examiner = FitExaminer(self.problem, self.models, beside_laws=True)
         return _in_names(self.models, self.models.run([self.models.fit(start.members, [start.theta])]))
 
