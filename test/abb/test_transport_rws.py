@@ -136,6 +136,25 @@ def test_raising_is_sent_a_single_time(link: RwsTransport, server: RwsServer) ->
     link.set_ready(False)
 
 
+def test_waiting_for_its_turn_takes_nothing_of_an_operations_time(
+    link: RwsTransport, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """An hour passes until the controller may be asked; the operation has its seconds from then on."""
+    waited: list[int] = []
+
+    class Clock:
+        sleep = staticmethod(time.sleep)
+
+        @staticmethod
+        def monotonic() -> float:
+            return time.monotonic() + 3600.0 * bool(waited)
+
+    monkeypatch.setattr(rws_http, "time", Clock)
+    monkeypatch.setattr(link._http._pace, "wait", waited.append)
+    assert link.read_ready() is False
+    assert waited
+
+
 def test_a_wrong_password_is_named_and_not_tried_for_ever(server: RwsServer) -> None:
     link = link_to(server, Credentials("Default User", "wrong"))
     with pytest.raises(LoginError, match="'Default User'"):

@@ -30,7 +30,7 @@ from doormill_ros.abb.link_errors import (
 from doormill_ros.abb.transports.bounded import BoundedCaller, CallTimeout
 from doormill_ros.abb.transports.rws_address import check_url
 from doormill_ros.abb.transports.rws_answer import BoundedTransport
-from doormill_ros.abb.transports.rws_pace import RequestPace
+from doormill_ros.abb.transports.rws_pace import SPAN, RequestPace
 
 _BUSY_FIRST = 0.05
 _BUSY_LAST = 1.0
@@ -114,7 +114,7 @@ class RwsHttp:
         repeat: bool = False,
         once: bool = False,
     ) -> httpx.Response:
-        """Send and wait for the whole answer, at most `total` seconds.
+        """Send and wait for the whole answer, at most `total` seconds once it is this request's turn.
 
         Args:
             method: HTTP verb.
@@ -130,15 +130,16 @@ class RwsHttp:
         Raises:
             LinkError: The leaf of the phase that failed.
         """
-        deadline = time.monotonic() + self._timeouts.total
 
         def send() -> httpx.Response:
+            self._pace.wait(_TRIES)
+            deadline = time.monotonic() + self._timeouts.total
             if once:
                 return self._send_once(method, path, content, headers or {}, deadline)
             return self._send(method, path, content, headers or {}, repeat, deadline)
 
         try:
-            return self._worker.call(send, self._timeouts.total)
+            return self._worker.call(send, self._timeouts.total + SPAN)
         except CallTimeout:
             self._renew_client()
             leaf = ReadTimeoutError if method == "GET" else WriteTimeoutError
@@ -240,7 +241,7 @@ class RwsHttp:
         self._pace.wait(_TRIES)
         if time.monotonic() > deadline:  # likewise
             raise ControllerBusyError(
-                f"{doing}: it was asked too much before; nothing was sent", url=self.url
+                f"{doing}: too many requests before it; close other clients", url=self.url
             )
         sent = _TRIES
         try:
