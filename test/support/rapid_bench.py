@@ -205,6 +205,8 @@ def run_of(home: Path) -> str:
 READING = """MODULE Reading
 VAR bool accepted:=FALSE;
 PROC ReadAndTell()
+! No start comes before it, with which people would name the door.
+expectedDoor:=ANY_DOOR;
 accepted:=ReadTargetFile();
 ENDPROC
 ENDMODULE

@@ -216,6 +216,10 @@ def test_every_cut_through_the_file_is_refused(good, controller):
         read_target_file(good[:-1])
 
 
+def test_the_file_is_read_whole_where_nothing_is_changed(good, checker):
+    assert checker(good)
+
+
 @settings(max_examples=60)
 @given(data=st.data())
 def test_no_changed_byte_is_milled(data, good, checker):
@@ -247,7 +251,7 @@ def checker(tmp_path_factory, arm):
     from doormill_ros.simulation.controller.controller import VirtualController
 
     home = tmp_path_factory.mktemp("home")
-    robot = VirtualController(home, arm, installed=read_installed(reading_modules(home)), expected_door="*")
+    robot = VirtualController(home, arm, installed=read_installed(reading_modules(home)))
     probe = robot.program
 
     def accepts(data: bytes) -> bool:

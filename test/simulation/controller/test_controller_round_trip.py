@@ -61,7 +61,7 @@ def reader(tmp_path_factory, arm):
     from doormill_ros.simulation.controller.controller import VirtualController
 
     home = tmp_path_factory.mktemp("home")
-    return VirtualController(home, arm, installed=read_installed(reading_modules(home)), expected_door="*")
+    return VirtualController(home, arm, installed=read_installed(reading_modules(home)))
 
 
 def assert_same_joints(told, q) -> None:
