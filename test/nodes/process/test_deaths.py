@@ -131,8 +131,11 @@ def test_a_file_that_goes_while_nothing_else_is_asked_was_cleared_in_time(tmp_pa
     assert leftovers.found == []
 
 
-def _mill(home: Path, oracle: Oracle, asked: float | None) -> None:
-    """What a robot's folder goes through when it takes a file that was requested then [s since the epoch], or never."""
+def _mill(home: Path, oracle: Oracle, asked: float | None, number: int = 7) -> None:
+    """What a robot's folder goes through when it takes a file that was requested then [s since the epoch], or never.
+
+    A quick robot: it has begun before the PC's second signal, `doPathReady`, rises.
+    """
 
     def write(name: str, level: str) -> None:
         (home / "io" / name).write_text(level)
@@ -144,8 +147,9 @@ def _mill(home: Path, oracle: Oracle, asked: float | None) -> None:
         (home / "Hei2.req").write_text("7\n")
         os.utime(home / "Hei2.req", (asked, asked))
     (home / "Hei2.txt").write_bytes(FILE)
-    write("doPathReady", "1")
+    write("goPathReady", str(number))
     write("doPathBusy", "1")
+    write("doPathReady", "1")
     deadline = time.monotonic() + LIMIT
     while len(oracle.starts) == before:
         assert time.monotonic() < deadline
@@ -180,6 +184,29 @@ def test_the_oracle_sees_a_file_of_another_door_run_or_place(
             oracle.placed(Placed(float(number), door_id, run_id, place))
         _mill(tmp_path, oracle, asked)
     assert bool(oracle.faults()) is wrong
+
+
+@pytest.mark.parametrize("number", [0, 6, 8])
+def test_the_oracle_sees_a_file_that_answers_another_request_or_none(tmp_path: Path, number: int) -> None:
+    (tmp_path / "io").mkdir()
+    with Oracle(tmp_path, SEEN) as oracle:
+        oracle.placed(Placed(0.0, "oak", "r1", TURNED))
+        _mill(tmp_path, oracle, 9.0, number)
+    assert len(oracle.faults()) == 1
+
+
+def test_the_oracle_sees_that_the_file_of_an_earlier_request_is_milled(tmp_path: Path) -> None:
+    (tmp_path / "io").mkdir()
+    with Oracle(tmp_path, SEEN) as oracle:
+        oracle.placed(Placed(0.0, "oak", "r1", TURNED))
+        (tmp_path / "Hei2.req").write_text("6\n")
+        (tmp_path / "Hei2.txt").write_bytes(FILE)
+        (tmp_path / "io" / "doPathBusy").write_text("0")
+        (tmp_path / "io" / "goPathReady").write_text("6")
+        time.sleep(0.2)
+        (tmp_path / "io" / "goPathReady").write_text("0")
+        _mill(tmp_path, oracle, 9.0, 0)
+    assert len(oracle.faults()) == 1
 
 
 def test_a_run_that_was_cut_off_is_found_after_a_restart(tmp_path: Path) -> None:

@@ -2,8 +2,9 @@
 
 A thread among others waits for them, however it is favoured, and on a machine at work misses starts. Tells a line of
 JSON for each thing seen, bytes in base64: `{"start": FILE, "asked": TIME}` when the robot began to mill, the file that
-stood under a high ready signal and when it was requested [s since the epoch], null for never; `{"named": FILE}` what
-the controller named as milled to its end. The first line is empty: it looks. Ends when its input does.
+stood there while `goPathReady` held the number of the request that stands, and when that was made [s since the epoch],
+null for never; `{"named": FILE}` what the controller named as milled to its end. `doPathReady` rises after the number:
+a robot that is quick has begun by then. The first line is empty: it looks. Ends when its input does.
 """
 
 from __future__ import annotations
@@ -36,15 +37,17 @@ def tell(**seen: object) -> None:
 
 
 def watch(home: Path, ended: threading.Event) -> None:
-    ready, busy, target = home / "io" / "doPathReady", home / "io" / "doPathBusy", home / "Hei2.txt"
+    answered, request = home / "io" / "goPathReady", home / "Hei2.req"
+    busy, target = home / "io" / "doPathBusy", home / "Hei2.txt"
 
-    def is_high(line: Path) -> bool:
-        return read(line).strip() == b"1"
+    def is_ready() -> bool:
+        number = read(answered).strip()
+        return number not in (b"", b"0") and number == read(request).strip()
 
     def asked_at() -> float | None:
         """When the program wrote the number of its request, by the machine's own clock."""
         try:
-            return (home / "Hei2.req").stat().st_mtime
+            return request.stat().st_mtime
         except OSError:
             return None
 
@@ -53,17 +56,19 @@ def watch(home: Path, ended: threading.Event) -> None:
     tell()
     while True:
         last = ended.is_set()
-        # Ready was high before the file was read and after it, for one request: no write of the PC was met halfway.
-        if is_high(ready):
+        # Ready before the file was read and after it, for one request: no write of the PC was met halfway.
+        if is_ready():
             asked, data = asked_at(), read(target)
-            if data and is_high(ready) and asked_at() == asked:
+            if data and is_ready() and asked_at() == asked:
                 kept = data, asked
         milled = read(home / "Hei2.end")
         if milled != named:
             named = milled
             tell(named=named)
-        is_busy = is_high(busy)
+        is_busy = read(busy).strip() == b"1"
         if is_busy and not was_busy:
+            if kept[1] != asked_at():
+                kept = nothing  # what answered an earlier request
             tell(start=kept[0], asked=kept[1])
             kept = nothing
         was_busy = is_busy

@@ -1,4 +1,4 @@
-"""Judges at the controller's folder: whose file stood under a high ready signal when the robot began to mill.
+"""Judges at the controller's folder: whose file answered the request when the robot began to mill.
 
 Shares no code with what it judges: it reads the folder's bytes, of the file its lines `#door` and `#run` and where its
 targets lie. Seen from the door that stands in the clamp, the targets of a good file lie where those of a file of
@@ -144,7 +144,7 @@ class Oracle:
     def _fault(self, start: Start) -> str:
         stood = self._stood(start)
         if not start.data:
-            return f"milled without a file under a high ready; in the clamp: {stood}"
+            return f"milled without a file that answers the request; in the clamp: {stood}"
         named: dict[str, str] = {}
         for line in start.data.decode("ascii", "replace").splitlines():
             key, _, value = line.partition(" ")
