@@ -149,12 +149,4 @@ MODULE DoorCell
         SkipWarn;
         TRYNEXT;
     ENDPROC
-
-    PROC ShutDrawbar()
-        ! What the drawbar let go of a tool it holds again.
-        Reset doDrawbarOpen;
-    ERROR
-        SkipWarn;
-        TRYNEXT;
-    ENDPROC
 ENDMODULE

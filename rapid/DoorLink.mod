@@ -41,10 +41,14 @@ MODULE DoorLink
         ! PERS are new after the modules were loaded anew, or as old as the files they were saved into. Doors and tools
         ! change after a request only: whose number is another one than the one in HOME has missed some.
         VAR num number:=0;
+        VAR string line;
+        VAR string rest;
 
         IF NOT recalled THEN
             recalled:=TRUE;
-            IF NOT StrToVal(FirstLine(REQUEST_FILE),number) THEN
+            IF NOT ReadNote(REQUEST_FILE,line,rest) THEN
+                number:=0;
+            ELSEIF NOT StrToVal(line,number) THEN
                 number:=0;
             ENDIF
             IF number<>requestNumber THEN
@@ -150,10 +154,14 @@ MODULE DoorLink
 
     LOCAL FUNC bool DoorNamed()
         VAR string name;
+        VAR string last:="";
         VAR num number;
 
-        name:=WholeName();
-        IF name<>"" THEN
+        ! The file is written in place, and of door_10 door_1 may be read: it counts when its last line is there.
+        IF NOT ReadNote(EXPECTED_FILE,name,last) THEN
+            last:="";
+        ENDIF
+        IF last=EXPECTED_END AND name<>"" THEN
             RemoveNote EXPECTED_FILE;
             ! One that cannot be removed would name every door after this one.
             IF NOT IsFile("HOME:/"+EXPECTED_FILE) THEN
@@ -249,25 +257,13 @@ MODULE DoorLink
         IF NOT ORDER_REQUIRED THEN
             RETURN 0;
         ENDIF
-        IF NOT IsFile("HOME:/"+ORDER_FILE) THEN
+        IF NOT ReadNote(ORDER_FILE,announcedRun,announcedRequest) THEN
             RETURN TXT_NO_ORDER;
         ENDIF
-        noteOpen:=FALSE;
-        Open "HOME:"\File:=ORDER_FILE,note\Read;
-        noteOpen:=TRUE;
-        announcedRun:=ReadStr(note);
-        announcedRequest:=ReadStr(note);
-        CloseNote;
         IF announcedRun<>run OR announcedRequest<>NumToStr(requestNumber,0) THEN
             RETURN TXT_OTHER_ORDER;
         ENDIF
         RETURN 0;
-    ERROR
-        SkipWarn;
-        IF noteOpen THEN
-            CloseNote;
-        ENDIF
-        RETURN TXT_NO_ORDER;
     ENDFUNC
 
     FUNC bool TellAccepted(string run)
@@ -309,54 +305,24 @@ MODULE DoorLink
         RETURN FALSE;
     ENDFUNC
 
-    LOCAL FUNC string FirstLine(string name)
-        ! Empty when there is no such file, or when it holds nothing.
-        VAR string line;
-
+    LOCAL FUNC bool ReadNote(string name,INOUT string first,INOUT string second)
+        ! FALSE when there is no such file, or none that can be read; a line that it does not have is EOF.
         IF NOT IsFile("HOME:/"+name) THEN
-            RETURN "";
+            RETURN FALSE;
         ENDIF
         noteOpen:=FALSE;
         Open "HOME:"\File:=name,note\Read;
         noteOpen:=TRUE;
-        line:=ReadStr(note);
+        first:=ReadStr(note);
+        second:=ReadStr(note);
         CloseNote;
-        IF line=EOF THEN
-            RETURN "";
-        ENDIF
-        RETURN line;
+        RETURN TRUE;
     ERROR
         SkipWarn;
         IF noteOpen THEN
             CloseNote;
         ENDIF
-        RETURN "";
-    ENDFUNC
-
-    LOCAL FUNC string WholeName()
-        ! Empty until the last line is there: the file is written in place, and of door_10 door_1 may be read.
-        VAR string line;
-        VAR string last;
-
-        IF NOT IsFile("HOME:/"+EXPECTED_FILE) THEN
-            RETURN "";
-        ENDIF
-        noteOpen:=FALSE;
-        Open "HOME:"\File:=EXPECTED_FILE,note\Read;
-        noteOpen:=TRUE;
-        line:=ReadStr(note);
-        last:=ReadStr(note);
-        CloseNote;
-        IF last<>EXPECTED_END THEN
-            RETURN "";
-        ENDIF
-        RETURN line;
-    ERROR
-        SkipWarn;
-        IF noteOpen THEN
-            CloseNote;
-        ENDIF
-        RETURN "";
+        RETURN FALSE;
     ENDFUNC
 
     LOCAL PROC ReadRuns()

@@ -225,6 +225,14 @@ MODULE DoorTool
         ENDIF
     ENDPROC
 
+    PROC ShutDrawbar()
+        ! What the drawbar let go of a tool it holds again.
+        Reset doDrawbarOpen;
+    ERROR
+        SkipWarn;
+        TRYNEXT;
+    ENDPROC
+
     PROC RestoreTool()
         ! Returns with the tool of the first place in the spindle and its length known; after a door that ended early
         ! people put it there and measure it: no way of the file leads to the gauge before the first cut.

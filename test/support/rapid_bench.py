@@ -18,7 +18,9 @@ from doormill_ros.simulation.controller.cabinet.teach_pendant import TeachPendan
 from doormill_ros.simulation.controller.configuration.installed import OWN_MODULES, read_installed
 from doormill_ros.simulation.controller.controller import VirtualController
 from doormill_ros.simulation.controller.motions.arm import ControllerArm
+from doormill_ros.simulation.controller.rapid.errors import RapidStoppedError
 from doormill_ros.simulation.controller.rapid.faults import RapidStop
+from doormill_ros.simulation.controller.rapid.machine import Dialog
 from doormill_ros.simulation.controller.rapid.parser import parse_module
 from doormill_ros.simulation.controller.rapid.program import RapidProgram
 from doormill_ros.toolpath.generate import generate_program
@@ -240,6 +242,18 @@ class WatchedController(VirtualController):
         if self.program.has_data("expectedDoor"):
             self.name_door(self.expected)
         super().run(*args, **kwargs)
+
+    def run_to_question(self) -> Dialog:
+        """Run the program until it asks something; it is stopped there, and nothing is answered."""
+
+        def stop(dialog: Dialog) -> str:
+            self.stop()
+            return dialog.buttons[0][0]
+
+        self.teach_pendant.operator = stop
+        with pytest.raises(RapidStoppedError):
+            self.run()
+        return self.teach_pendant.dialogs[-1]
 
     @property
     def executed_count(self) -> int:

@@ -132,7 +132,7 @@ class RwsHttp:
         """
 
         def send() -> httpx.Response:
-            self._pace.wait(_TRIES)
+            self._pace.wait(_TRIES)  # before the clock of the operation starts; what it repeats waits again
             deadline = time.monotonic() + self._timeouts.total
             if once:
                 return self._send_once(method, path, content, headers or {}, deadline)

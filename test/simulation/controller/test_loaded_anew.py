@@ -131,13 +131,6 @@ def test_a_way_home_that_was_saved_is_not_gone(made):
     for name, literal in saved.items():
         robot.program.write(name, literal)
     moves = len(robot.moves)
-
-    def operator(dialog):
-        robot.stop()
-        return dialog.buttons[0][0]
-
-    robot.teach_pendant.operator = operator
-    with pytest.raises(RapidStoppedError):
-        robot.run()
+    robot.run_to_question()
     assert asked(robot)[-1][1] == "Jog it clear of the door and run MoveHome."
     assert len(robot.moves) == moves

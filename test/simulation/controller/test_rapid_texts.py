@@ -8,7 +8,6 @@ import pytest
 
 from doormill_ros.resources import resource
 from doormill_ros.simulation.controller.configuration.installed import OWN_MODULES
-from doormill_ros.simulation.controller.rapid.errors import RapidStoppedError
 from doormill_ros.simulation.controller.rapid.parser import parse_module
 
 #: Characters: of an event's title, which is the shortest of all places; a line of a message box holds 55, a string 80.
@@ -82,15 +81,7 @@ def test_the_pendant_speaks_the_language_of_the_cell_and_the_pc_reads_english(co
 def test_a_question_is_asked_in_the_language_of_the_cell(controller, language):
     robot = controller(start=[0.3, -0.7, 0.5, 0.0, 0.2, 0.0])  # not at home
     robot.program.write("language", str(language))
-
-    def ended(dialog):
-        robot.stop()
-        return dialog.buttons[0][0]
-
-    robot.teach_pendant.operator = ended
-    with pytest.raises(RapidStoppedError):
-        robot.run()
-    dialog = robot.teach_pendant.dialogs[0]
+    dialog = robot.run_to_question()
     names = ("TXT_HEADER", "TXT_NOT_HOME", "TXT_BY_HAND", "TXT_OK")
     wanted = [TABLE[NUMBERS[name] - 1][language - 1] for name in names]
     assert [dialog.header, *dialog.lines, dialog.buttons[0][0]] == wanted
