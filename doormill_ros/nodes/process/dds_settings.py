@@ -15,7 +15,10 @@ _NODES, _PICTURES = "config/fastdds_nodes.xml", "config/fastdds.xml"
 
 
 def repair_soon() -> None:
-    """Let what is lost on the wire be sent again within a tenth of a second, not of three."""
+    """Let what is lost on the wire be sent again within a tenth of a second, an announcement within half a one.
+
+    By default both take three seconds.
+    """
     if not any(name in os.environ for name in _SETTINGS):
         os.environ[_SETTINGS[0]] = str(resource(_NODES))
 
