@@ -24,6 +24,7 @@ from doormill_ros.diagnosis.core.words.verdict import PARTLY_EXPLAINED
 from doormill_ros.diagnosis.core.words.wording import Words
 from doormill_ros.diagnosis.parts.correction.in_use import in_use_document
 from doormill_ros.diagnosis.parts.correction.model import door_model_document, usable
+from doormill_ros.diagnosis.parts.correction.standing import level_left
 from doormill_ros.diagnosis.parts.correction.warming import warmed
 from doormill_ros.diagnosis.parts.doors.gauged_door import GaugedDoor
 from doormill_ros.diagnosis.parts.doors.matching import matched_points
@@ -183,7 +184,8 @@ class Inspections(SearchedKind[InspectedDoor, DoorProblem, InTime]):
             }
         )
         if self._in_use is not None:
-            first = max((change.door for change in changes), default=0)
+            level = level_left(diagnosis)
+            first = max([*(change.door for change in changes), 0 if level is None else level.since])
             sections["in_use"] = in_use_document(diagnosis, self._in_use, first)
         names = [one.name for one in diagnosis.problem.doors]
         source = names[0] if len(names) == 1 else f"{names[0]} to {names[-1]}"
@@ -213,6 +215,13 @@ def _scope(diagnosis: DoorDiagnosis) -> list[str]:
     _, others = usable(diagnosis)
     if others:
         found.append(f"No correction of the path undoes {' and '.join(others)}: put that right where it is.")
+    level = level_left(diagnosis)
+    if level is not None:
+        began = f" from {diagnosis.problem.doors[level.since].name} on" if level.since else ""
+        found.append(
+            f"Beside what is named, doors stand {m_to_mm(level.size):.2f} mm elsewhere than they were seen{began}: the "
+            f"path generator undoes that, whatever the cause."
+        )
     if any(warmed(finding) for finding in diagnosis.findings):
         found.append(
             "The path generator undoes the growth by the time that it has seen its cell work: after its own start or a "
