@@ -48,6 +48,18 @@ def test_what_runs_along_an_edge_is_not_taken_for_it(number, seed, features, cam
     assert (place < 0.1 * MM, turn < 0.1 * DEG) == (True, True)
 
 
+@pytest.mark.parametrize(
+    ("number", "seed"),
+    [
+        # A groove, a pencil's or a burnt line and a band end with the face, and stripes of a curtain or a rail beyond.
+        *((number, 18018) for number in (74, 100, 101)),
+    ],
+)
+def test_a_plain_edge_is_found_whatever_lies_beyond_its_end(number, seed, camera, layout):
+    place, turn = off(view_of(number, seed), camera, layout)
+    assert (place < 0.1 * MM, turn < 0.1 * DEG) == (True, True)
+
+
 def test_a_plain_view_is_seldom_refused_and_never_wrong(camera, layout):
     views = [view for view in (view_of(number, 31) for number in range(60)) if is_plain(view)]
     found = []

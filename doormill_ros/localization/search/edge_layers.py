@@ -31,6 +31,7 @@ _MITRED = (
     0.3,
 )  # a strip cut off aslant is left so far from where it begins [m], and by that share of its width
 _ASLANT = 0.4, 2.5  # how far it goes on along the strip over how far across it
+_JUST_THERE = 0.08e-3  # a strip on the face ends within that of where the search has the other edge [m]
 _TOLD, _AS_FLUSH = 0.06e-3, 0.33  # a bevel's end is seen from so far out [m], and a strip's nearer is flush
 
 
@@ -92,7 +93,7 @@ class EdgeLayers:
                 self.ends.append(None)
                 continue
             near = [abs(strip.end - line.at(strip.middle)) for line in other.lines]
-            self.ends.append(min(near) < TOGETHER)
+            self.ends.append(min(near) < TOGETHER or self._left_with_face(len(self.ends), other))
         for k in range(len(self.strips)):
             if self.ends[k] is False and self._once_more(k):
                 raise self.doubt(0, k + 1)
@@ -109,6 +110,16 @@ class EdgeLayers:
                     raise self.doubt(k, k + 1)
                 self.first = k + 1
 
+    def _left_with_face(self, k: int, other: EdgeLayers) -> bool:
+        """Whether strip k, seen from inside, ends just where the face beside it does, whatever begins beyond.
+
+        Stripes and rails behind hide where it ends only from beyond. What lies behind the face has no border just
+        there: it would seem nearer to the optical axis.
+        """
+        strip, edge = self.strips[k], other.lines[other.first]
+        near = abs(strip.left - edge.at(strip.middle)) < TOGETHER
+        return near and self.flush(k, other, _JUST_THERE)
+
     def _once_more(self, k: int) -> bool:
         """Whether outside of a groove the face seems to lie once more, and what covers its end leaves that open."""
         strip = self.strips[k]
@@ -116,10 +127,11 @@ class EdgeLayers:
             return False
         return self.like_face(k) and not abs(strip.end - strip.left) < _UNCLEAR
 
-    def flush(self, k: int, other: EdgeLayers) -> bool:
+    def flush(self, k: int, other: EdgeLayers, most: float = np.inf) -> bool:
         """Whether strip k ends at the other edge where the face beside it does, closer than a bevel's end would.
 
-        A bevel lies on average half its width behind the face, and what lies behind seems nearer to the optical axis.
+        Both end within `most` of that edge [m]. A bevel lies on average half its width behind the face, and what lies
+        behind seems nearer to the optical axis.
         """
         inner, wide = self.lines[k], self.width(k)
         high = inner.at(self.corner)
@@ -141,7 +153,8 @@ class EdgeLayers:
             at = float(along[first - 1]) + (0.5 - before) / (after - before) * 0.5 * PITCH
             ends.append(at - across.at(float(place.mean())))
         bevelled = self._bevelled(k, other)
-        return bevelled > _TOLD and abs(ends[0] - ends[1]) < _AS_FLUSH * bevelled
+        apart = abs(ends[0] - ends[1])
+        return bevelled > _TOLD and apart < min(_AS_FLUSH * bevelled, most) and max(np.abs(ends)) < most
 
     def mitred(self, k: int, other: EdgeLayers) -> bool:
         """Whether strip k, which ends at the other edge, is cut off aslant there: bevels meet in a mitre."""
