@@ -14,7 +14,7 @@ from doormill_ros.diagnosis.core.judgement import Judgement, Question, judge_que
 from doormill_ros.diagnosis.core.telling.characterised import Characterised
 from doormill_ros.diagnosis.core.words.verdict import MAIN_PART
 from doormill_ros.diagnosis.pose.examination import PoseExaminer
-from doormill_ros.diagnosis.pose.fitting.fit import deviation, fit_causes, place_nominally
+from doormill_ros.diagnosis.pose.fitting.fit import Fitted, deviation, fit_causes, place_nominally
 from doormill_ros.diagnosis.pose.fitting.model import Errors, SeriesFit, rmse, standard_deviations
 from doormill_ros.diagnosis.pose.fitting.noise import common_noise, evened
 from doormill_ros.diagnosis.pose.fitting.validation import by_block
@@ -67,7 +67,10 @@ class PoseQuestion(Question[PoseCause, SeriesFit]):
             # The nominal model, too, has these torques: laws beside it hang on them.
             self.sets = stood(self.sets, self.standing.stance)
             nominal = fit_causes(self.sets, (), nominal.problem.placements, passes=2)
-        search = PoseSearch(self.sets, nominal, progress)
+        return self.searched(PoseSearch(self.sets, nominal, progress), nominal)
+
+    def searched(self, search: PoseSearch, nominal: Fitted) -> SeriesFit:
+        """What a search leaves that sets out from the nominal model."""
         best = search.run()
         self.scores, self.gone = search.scores, search.gone
         self.examiner = PoseExaminer(search, nominal, self.kept(best), self.noise_floor)

@@ -60,12 +60,16 @@ class PoseExaminer(Examiner[PoseCause, SeriesFit]):
         refused: Sequence[tuple[PoseCause, str]],
         remains: bool,
     ) -> tuple[SeriesFit, SeriesFit, Sequence[tuple[PoseCause, str]]]:
-        """The best model as it is."""
-        return best, best, ()
+        """The best model; where laws acted beside its causes, these fitted anew without them."""
+        if len(named) == len(best.members):
+            return best, best, ()
+        # Sizes that were learnt beside the laws hold nothing of what these leave.
+        return best, self.models.settled(SeriesFit(tuple(named), best.fitted, best.validation)), ()
 
     def worth(self, asked: SeriesFit) -> Sequence[Margin]:
         """What each cause takes away of the error of blocks left out, those that left the model included."""
-        scores = [self.models.scores[id(cause)] for cause in (*asked.members, *self.models.gone)]
+        causes = (cause for cause in (*asked.members, *self.models.gone) if cause.named)
+        scores = [self.models.scores[id(cause)] for cause in causes]
         return [
             Margin(f"{score.cause!r} helps on blocks left out", score.total_sure, SURE, "standard errors")
             for score in scores
@@ -89,6 +93,7 @@ class PoseExaminer(Examiner[PoseCause, SeriesFit]):
             Double(other)
             for index, other in enumerate(layout.causes)
             if other is not cause
+            and other.named
             and leans(asked.problem.x, asked.solution.covariance, own, layout.part(index))
         ]
         if cause.name in (SessionStep.name, PoseDrift.name):

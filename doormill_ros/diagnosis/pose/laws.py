@@ -19,6 +19,7 @@ from doormill_ros.diagnosis.law.characterise import remains
 from doormill_ros.diagnosis.law.linear import Established, LinearProblem, established
 from doormill_ros.diagnosis.law.numbers import numbers_beside
 from doormill_ros.diagnosis.law.remainder import searched
+from doormill_ros.diagnosis.pose.beside_laws import asked_beside
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
 from doormill_ros.diagnosis.pose.fitting.fit import BLOCKS
 from doormill_ros.diagnosis.pose.fitting.noise import common_noise, evening
@@ -37,6 +38,8 @@ SHARED = (
 )
 #: Of the residual, up to which one explanation predicts as well as another.
 SAME = 1.01
+#: Times the noise that laws may leave for causes to be asked beside them.
+DESCRIBED = 2.0
 #: Poses that are searched, at most.
 POSES = 700
 
@@ -54,6 +57,31 @@ class PositionProblem(LinearProblem):
 
 
 def with_laws(diagnosis: PoseDiagnosis, progress: Callable[[str], None] = lambda line: None) -> PoseDiagnosis:
+    """The diagnosis with laws for what its causes leave, and with causes that these had hidden.
+
+    A cause that stands only beside laws is named where they and all causes together leave no more than noise.
+    """
+    told = _with_laws(diagnosis, progress)
+    if told.laws is None or told.laws.holdout_rmse > DESCRIBED * diagnosis.noise_floor:
+        return told
+    every = [term for law in told.laws.laws for term in law.terms]
+    first = told.laws.laws[0].terms  # the others may be what a cause hides behind
+    for terms in [every, first][: len(told.laws.laws)]:
+        asked = asked_beside(diagnosis, terms, progress)
+        again = _with_laws(asked, progress) if _names_more(asked, told) else told
+        quiet = again.laws is not None and again.laws.holdout_rmse <= AT_NOISE * again.noise_floor
+        if quiet and _names_more(again, told):
+            return again
+    return told
+
+
+def _names_more(one: PoseDiagnosis, other: PoseDiagnosis) -> bool:
+    """Whether a diagnosis names all that another one does, and more."""
+    more, known = ({cause.key for cause in each.examination.named} for each in (one, other))
+    return known < more
+
+
+def _with_laws(diagnosis: PoseDiagnosis, progress: Callable[[str], None]) -> PoseDiagnosis:
     """The diagnosis with laws for what its causes leave, and without causes that only stood for a law."""
     if not remains(diagnosis.verdict):
         return diagnosis
@@ -68,13 +96,13 @@ def with_laws(diagnosis: PoseDiagnosis, progress: Callable[[str], None] = lambda
         return diagnosis
     if gone := _gone(diagnosis):
         progress(f"beside a law nothing is left of {', '.join(map(repr, gone))}")
-        return with_laws(_less(diagnosis, gone, GONE), progress)
+        return _with_laws(_less(diagnosis, gone, GONE), progress)
     if not (shared := _shared(diagnosis, found)):
         return diagnosis
     progress(
         f"a law follows the angle of the joint of {', '.join(map(repr, shared))}; asking laws without it"
     )
-    alone = with_laws(_less(diagnosis, shared, SHARED), progress)
+    alone = _with_laws(_less(diagnosis, shared, SHARED), progress)
     as_good = alone.laws is not None and alone.laws.holdout_rmse <= SAME * found.holdout_rmse
     return alone if as_good else diagnosis
 

@@ -45,9 +45,15 @@ class PoseSearch(Search[PoseCause, SeriesFit]):
 
     at_once = 0.5
 
-    def __init__(self, sets: Sequence[PoseSet], baseline: Fitted, progress: Callable[[str], None]) -> None:
-        """Keep the series and how the nominal model places them."""
-        self.sets, self.baseline, self.progress = sets, baseline, progress
+    def __init__(
+        self,
+        sets: Sequence[PoseSet],
+        baseline: Fitted,
+        progress: Callable[[str], None],
+        beside: Sequence[PoseCause] = (),
+    ) -> None:
+        """Keep the series, how the nominal model places them, and laws without a name that act as well and stay."""
+        self.sets, self.baseline, self.progress, self.beside = sets, baseline, progress, tuple(beside)
         self.scores: dict[int, Score] = {}
         self.gone: list[PoseCause] = []
         self.instead: list[PoseCause] = []
@@ -92,14 +98,15 @@ class PoseSearch(Search[PoseCause, SeriesFit]):
         """Everything that may act with waves of some orders: first without, then with hints from the residual."""
         sets, views = self.sets, [data.view for data in self.sets]
         joints = places_of_joints(sets[0].joints)
-        library = candidates(Hints(views, dict.fromkeys(joints, dense), drift=False))
+        library = [*candidates(Hints(views, dict.fromkeys(joints, dense), drift=False)), *self.beside]
         self.progress(f"{len(library)} causes to try")
         first = fit_causes(sets, library, self.baseline.problem.placements, 2, self.progress)
         orders = {where: dense + find_orders(first, number(where), dense[-1]) for where in joints}
         extra = sum(len(o) - len(dense) for o in orders.values())
         self.progress(f"the residual asks for {extra} orders beyond {dense[-1]}")
         steps, courses, known = self._moved(first)
-        return self._fit(candidates(Hints(views, orders, steps, courses, known=known)), first)
+        hints = Hints(views, orders, steps, courses, known=known)
+        return self._fit([*candidates(hints), *self.beside], first)
 
     def _moved(self, first: Fitted) -> tuple[dict[int, tuple[int, int]], dict[int, TimeCourse], list[int]]:
         """Steps and courses of the base by index of the series, and where they say all there is."""
@@ -153,7 +160,8 @@ class PoseSearch(Search[PoseCause, SeriesFit]):
     ) -> list[tuple[PoseCause, float]]:
         """Causes that rows left out do not miss; in the end only those that are laid on the robot."""
         causes = model.fitted.problem.layout.causes
-        found = scores(model.validation, [causes.index(cause) for cause in asked], model.validation.left)
+        own = [causes.index(cause) for cause in asked if cause not in self.beside]
+        found = scores(model.validation, own, model.validation.left)
         self.scores |= {id(score.cause): score for score in found}
         weak = [score for score in found if score.status != REAL]
         # What others imitate leaves before them: they are asked again with what it took of theirs.

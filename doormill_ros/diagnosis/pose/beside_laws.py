@@ -1,0 +1,46 @@
+"""Names asked once more beside laws: what a remainder elsewhere had hidden of a cause shows once that is described.
+
+Laws join the causes of the search as what acts in any case. A name stands where all together leave no more than noise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from doormill_ros.diagnosis.core.judgement import judge_question
+from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis, PoseQuestion
+from doormill_ros.diagnosis.pose.fitting.fit import fit_causes, place_nominally
+from doormill_ros.diagnosis.pose.fitting.model import SeriesFit
+from doormill_ros.diagnosis.pose.searching.search import PoseSearch
+from doormill_ros.robot_model.pose.law.term import PoseTerm
+
+
+class _BesideLaws(PoseQuestion):
+    """Series of poses, asked with laws that act as well: beside what is described a small part is as sure as any."""
+
+    main_part = 0.0
+
+    def __init__(self, question: PoseQuestion, laws: Sequence[PoseTerm]) -> None:
+        """Keep the laws, and how the robot of a question stands."""
+        super().__init__(question.sets)
+        self.standing, self._laws = question.standing, tuple(laws)
+
+    def search(self, progress: Callable[[str], None]) -> SeriesFit:
+        """What is left of everything that may act beside the laws."""
+        nominal = fit_causes(self.sets, (), place_nominally(self.sets), passes=2)
+        return self.searched(PoseSearch(self.sets, nominal, progress, self._laws), nominal)
+
+
+def asked_beside(
+    diagnosis: PoseDiagnosis, laws: Sequence[PoseTerm], progress: Callable[[str], None] = lambda line: None
+) -> PoseDiagnosis:
+    """The diagnosis with the names that stand beside laws, told without these.
+
+    Args:
+        diagnosis: What was said before.
+        laws: What acts beside its causes.
+        progress: Told of every step.
+    """
+    progress("asking for causes again beside the laws")
+    question = _BesideLaws(diagnosis.question, laws)
+    return PoseDiagnosis(**vars(judge_question(question, progress)), question=question)
