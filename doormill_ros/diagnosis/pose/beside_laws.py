@@ -5,7 +5,9 @@ Laws join the causes of the search as what acts in any case. A name stands where
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 from doormill_ros.diagnosis.core.judgement import judge_question
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis, PoseQuestion
@@ -44,3 +46,16 @@ def asked_beside(
     progress("asking for causes again beside the laws")
     question = _BesideLaws(diagnosis.question, laws)
     return PoseDiagnosis(**vars(judge_question(question, progress)), question=question)
+
+
+def with_reasons(again: PoseDiagnosis, before: PoseDiagnosis) -> PoseDiagnosis:
+    """A diagnosis with the reasons for which an earlier one took names back that it does not give itself."""
+    named = {cause.key for cause in again.examination.named}
+    taken_back = [pair for pair in before.examination.refused if pair[0].key not in named]
+    keys = {cause.key for cause, _ in taken_back}
+    own = again.question
+    question = copy.copy(own)
+    question.gone = [*(one for one in own.gone if one.key not in keys), *(cause for cause, _ in taken_back)]
+    question.scores = own.scores | {id(cause): before.question.scores[id(cause)] for cause, _ in taken_back}
+    examination = replace(again.examination, refused=(*again.examination.refused, *taken_back))
+    return replace(again, question=question, examination=examination)

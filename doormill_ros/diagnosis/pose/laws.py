@@ -19,7 +19,7 @@ from doormill_ros.diagnosis.law.characterise import remains
 from doormill_ros.diagnosis.law.linear import Established, LinearProblem, established
 from doormill_ros.diagnosis.law.numbers import numbers_beside
 from doormill_ros.diagnosis.law.remainder import searched
-from doormill_ros.diagnosis.pose.beside_laws import asked_beside
+from doormill_ros.diagnosis.pose.beside_laws import asked_beside, with_reasons
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
 from doormill_ros.diagnosis.pose.fitting.fit import BLOCKS
 from doormill_ros.diagnosis.pose.fitting.noise import common_noise, evening
@@ -71,7 +71,7 @@ def with_laws(diagnosis: PoseDiagnosis, progress: Callable[[str], None] = lambda
         again = _with_laws(asked, progress) if _names_more(asked, told) else told
         quiet = again.laws is not None and again.laws.holdout_rmse <= AT_NOISE * again.noise_floor
         if quiet and _names_more(again, told):
-            return again
+            return with_reasons(again, told)
     return told
 
 
