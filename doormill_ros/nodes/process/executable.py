@@ -16,6 +16,7 @@ import sys
 from collections.abc import Callable
 from functools import partial
 from types import FrameType
+from typing import Any
 
 _GENERATOR = "rosidl_generator_py"
 
@@ -60,15 +61,16 @@ def leave_generator_out() -> None:
 
 def find_lines_by_frames() -> None:
     """Let rclpy take file and line of a message to the log from the frame alone, without its source."""
-    importlib.import_module("rclpy.impl.rcutils_logger").inspect = _Frames  # type: ignore[attr-defined]
+    importlib.import_module("rclpy.impl.rcutils_logger").inspect = _Inspect()  # type: ignore[attr-defined]
 
 
-class _Frames:
-    """What rclpy's logger asks of `inspect`."""
-
-    currentframe = staticmethod(inspect.currentframe)
+class _Inspect:
+    """The module `inspect` for rclpy's logger."""
 
     @staticmethod
     def getframeinfo(frame: FrameType) -> inspect.Traceback:
         code = frame.f_code
         return inspect.Traceback(code.co_filename, frame.f_lineno, code.co_name, None, None)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(inspect, name)
