@@ -79,7 +79,7 @@ setup(
     license="Apache-2.0",
     entry_points={
         "console_scripts": [
-            *[f"{name} = {PACKAGE}.nodes.{name}:main" for name in NODES],
+            *[f"{name} = {PACKAGE}.nodes.process.executable:{name}" for name in NODES],
             *[f"{name} = {PACKAGE}.tools.{name}:main" for name in TOOLS],
         ]
     },

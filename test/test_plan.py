@@ -155,6 +155,8 @@ def test_every_module_is_reached_from_an_executable() -> None:
     """What only tests, benches or bag making need stands in test/support or bags."""
     starts = executables()
     assert starts <= set(graph())
+    # What setup.py has start the nodes.
+    starts |= {f"{NAME}.nodes.process.executable"}
     # Migrations are found by alembic in their folder.
     starts |= {m for m in graph() if ".migrations." in m}
     # Features are imported by their registry, by the names that it lists.
@@ -183,6 +185,8 @@ def test_the_architecture_page_lists_the_rooms_from_the_ground_up() -> None:
 CALLED_FROM_OUTSIDE = {
     # rclpy calls the states of a managed node, alembic the steps of a migration, pickle the finder of its classes.
     *("on_configure", "on_activate", "on_deactivate", "on_cleanup", "on_shutdown", "downgrade", "find_class"),
+    # rclpy's logger asks for the place of a line.
+    "getframeinfo",
     # What a person does at the simulated controller, who is somebody else in every test.
     *(
         "reload_modules",
