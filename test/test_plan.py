@@ -185,8 +185,6 @@ def test_the_architecture_page_lists_the_rooms_from_the_ground_up() -> None:
 CALLED_FROM_OUTSIDE = {
     # rclpy calls the states of a managed node, alembic the steps of a migration, pickle the finder of its classes.
     *("on_configure", "on_activate", "on_deactivate", "on_cleanup", "on_shutdown", "downgrade", "find_class"),
-    # rclpy's logger asks for the place of a line.
-    "getframeinfo",
     # What a person does at the simulated controller, who is somebody else in every test.
     *(
         "reload_modules",
