@@ -123,3 +123,13 @@ def plunge_force(
         material: What is cut.
     """
     return share * flutes * radius * AXIAL_SHARE * (material.specific * chip + material.edge)
+
+
+def wrench_std(wrench: FloatArray, material: CuttingCoefficients) -> FloatArray:
+    """Standard deviations of computed wrenches along any axes, shapes (n, 6) [N, N m].
+
+    As wide in every direction: grain and wear turn the force as much as they change it.
+    """
+    sizes = np.linalg.norm(wrench.reshape(-1, 2, 3), axis=2)
+    spread: FloatArray = np.repeat(material.spread * sizes, 3, axis=1) / np.sqrt(3.0)
+    return spread

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -97,6 +98,26 @@ class LoadedRobot:
         by_force = self.deflection(q, loads.wrench, loads.direction) - self.standing(q, loads.direction)
         return self.worth.share(by_force, spread, loads.bounded)
 
+    def undone(self, q: FloatArray, loads: Loads) -> Callable[[FloatArray], FloatArray]:
+        """What a correction undoes of the displacements of n loaded tools: of each part the share that it is worth.
+
+        Args:
+            q: Joint angles by which that share is told, shape (n, 6) [rad].
+            loads: n loads.
+
+        Returns:
+            The twists, base axes, shape (n, 6) [m, rad], by joint angles near these, shape (n, 6) [rad].
+        """
+        share, own = self.share(q, loads), self._standing_share(q, loads.direction)
+
+        def twist(angles: FloatArray) -> FloatArray:
+            each = self.deflection(angles, loads.wrench, loads.direction) * share
+            if self._standing_model is not None:
+                each = each + self.standing(angles, loads.direction) * (own - share)
+            return each
+
+        return twist
+
     def posture(self, T_base_tool: FloatArray, q: FloatArray) -> FloatArray:
         """Joint angles that reach nominal poses unloaded, from angles near them.
 
@@ -135,16 +156,12 @@ class LoadedRobot:
             owner: Target to which each load belongs, every target at least once, shape (e,).
             loads: e loads.
         """
-        share = self.share(q[owner], loads)
-        own = self._standing_share(q[owner], loads.direction)
+        undone = self.undone(q[owner], loads)
         weight = 1.0 / np.bincount(owner, minlength=len(q))[owner, None]
 
         def deflect(angles: FloatArray) -> FloatArray:
-            each = self.deflection(angles[owner], loads.wrench, loads.direction) * share
-            if self._standing_model is not None:
-                each = each + self.standing(angles[owner], loads.direction) * (own - share)
             mean = np.zeros((len(angles), 6))
-            np.add.at(mean, owner, each * weight)
+            np.add.at(mean, owner, undone(angles[owner]) * weight)
             return mean
 
         return compensate(T_base_tool, q, deflect, self.kinematics, self.T_flange_tool, self.tolerance)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -139,14 +138,13 @@ class ForceOrigin(Section):
             raise complaint(MissingField, "is missing, a measured force has one", (missing,), found=None)
         return self
 
-    def spread(self, wrench: Sequence[float] | FloatArray) -> FloatArray:
-        """Standard deviation of a wrench of the recipe's table, its own axes, shape (6,) [N, N m].
+    def spread(self, wrench: FloatArray) -> FloatArray:
+        """Standard deviations of wrenches of the recipe's table, its own axes, shape (..., 6) [N, N m].
 
         A force of which nothing is known but somebody's figure may be off by its own size, in any direction.
         """
         if self.std is not None:
-            return np.array(self.std)
-        force, moment = np.array(wrench[:3]), np.array(wrench[3:])
-        sizes = np.array([np.linalg.norm(force), np.linalg.norm(moment)])
-        spread: FloatArray = np.repeat(sizes, 3) / np.sqrt(3.0)
+            return np.broadcast_to(np.array(self.std), wrench.shape)
+        sizes = np.linalg.norm(wrench.reshape(*wrench.shape[:-1], 2, 3), axis=-1)
+        spread: FloatArray = np.repeat(sizes, 3, axis=-1) / np.sqrt(3.0)
         return spread

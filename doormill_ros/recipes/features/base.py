@@ -192,10 +192,14 @@ class Feature(Section):
 
     def wrench_std(self, segment: str) -> FloatArray:
         """Standard deviations of `wrench` along nominal tool axes, shape (6,) [N, N m]."""
+        return self.std_of(self.wrench(segment))
+
+    def std_of(self, wrench: FloatArray) -> FloatArray:
+        """Standard deviations of wrenches as the table has them, nominal tool axes, shapes (..., 6) [N, N m]."""
         if self.wrench_table is None:
-            return np.zeros(6)
+            return np.zeros(wrench.shape)
         axes = self.force_origin.axes.R_tool_axes
-        spread = self.force_origin.spread(rotate_wrench(axes.T, self.wrench(segment)))
+        spread = self.force_origin.spread(rotate_wrench(axes.T, wrench))
         return rotate_wrench(np.abs(axes), spread)
 
     @property

@@ -16,6 +16,7 @@ from doormill_ros.correction.cutting_force import (
     mean_force,
     plunge_force,
     rim_directions,
+    wrench_std,
 )
 from doormill_ros.frames import apply, inverse
 from doormill_ros.recipes.door import R_FEATURE_TOOL, Material
@@ -133,12 +134,12 @@ class _Wood:
                 wrench[number] += self._across(number, int(before[number]), centre[number], feed[number])
             if self.falls[number] and reached.any():
                 wrench[number, 2] -= self._down(number, int(before[number]))
-        turned = wrench.reshape(-1, 2, 3) @ R_FEATURE_TOOL  # force and moment, each in the axes of the tool
-        # As wide in every direction: grain and wear turn the force as much as they change it.
-        std = np.repeat(self.coefficients.spread * np.linalg.norm(turned, axis=2), 3, axis=1) / math.sqrt(3.0)
+        # Force and moment, each in the axes of the tool.
+        turned = (wrench.reshape(-1, 2, 3) @ R_FEATURE_TOOL).reshape(-1, 6)
+        std = wrench_std(turned, self.coefficients)
         return [
             cut.changed(wrench_tool=wrench_tool, std_tool=std_tool, bounded=True)
-            for cut, wrench_tool, std_tool in zip(self.cuts, turned.reshape(-1, 6), std, strict=True)
+            for cut, wrench_tool, std_tool in zip(self.cuts, turned, std, strict=True)
         ]
 
     def _across(self, number: int, before: int, centre: FloatArray, feed: FloatArray) -> FloatArray:

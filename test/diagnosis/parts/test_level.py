@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from doormill_ros.diagnosis.parts.correction.in_use import in_use_document
 from doormill_ros.diagnosis.parts.correction.level import Level, current_level
 from doormill_ros.diagnosis.parts.correction.standing import level_left, standing_of
 from doormill_ros.diagnosis.parts.kind import Inspections
@@ -74,6 +75,8 @@ def test_doors_that_stand_elsewhere_are_milled_there_though_nothing_is_named(lab
     assert level.since in (shifts[0].from_door, shifts[0].from_door + 1)
     at_corner = np.array(standing.shift) + np.cross([standing.turn, 0.0, 0.0], level.corner)
     assert np.linalg.norm(at_corner - moved) < 0.35 * np.linalg.norm(moved)
+    judged = in_use_document(diagnosis, "", level.since)
+    assert judged["expected_error_extended"] < judged["expected_error"]
     worth = loop_worth(tmp_path, diagnosis, len(drawn.doors), seed, knowing(), doors=next_doors(seed))
     assert not worth.worse
     assert worth.after < 2.0 * worth.told

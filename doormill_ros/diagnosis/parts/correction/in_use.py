@@ -1,7 +1,8 @@
 """What the model in use leaves of the inspected doors, and what the model that was found would leave.
 
-A correction sends the tool against the displacement that its model predicts. With another model a door would have
-come out by the difference of the two predictions otherwise, wherever the tool cut.
+A correction sends the tool against the displacement that its model predicts, or against the share of it that the
+prediction is worth. With another model a door would have come out by the difference of what the two undo otherwise,
+wherever the tool cut.
 """
 
 from __future__ import annotations
@@ -12,9 +13,9 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.parts.correction.model import usable
-from doormill_ros.diagnosis.parts.correction.standing import standing_of
-from doormill_ros.diagnosis.parts.correction.warming import growth_told
+from doormill_ros.correction.loaded_robot import LoadedRobot
+from doormill_ros.correction.worth import worth_of
+from doormill_ros.diagnosis.parts.correction.model import door_model
 from doormill_ros.diagnosis.parts.doors.cut_points import CutPoints
 from doormill_ros.diagnosis.parts.doors.gauged_door import GaugedDoor
 from doormill_ros.diagnosis.parts.fitting.placement import free_columns
@@ -23,9 +24,10 @@ from doormill_ros.errors import DoormillError
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot_model.elastic.compliance import ComplianceModel
-from doormill_ros.robot_model.extended_model import ExtendedComplianceModel, load_model_of, standing_model
+from doormill_ros.robot_model.extended_model import load_model_of, standing_model
 from doormill_ros.robot_model.warmth.grown_model import grown, growth_in
 from doormill_ros.statistics import root_mean_square
+from doormill_ros.toolpath.settings import load_settings
 from doormill_ros.units import hours_to_s
 
 LAST = 3  #: doors of a recipe by which its next one is judged
@@ -42,32 +44,43 @@ def in_use_document(diagnosis: DoorDiagnosis, model: str, first: int) -> dict[st
     Raises:
         ExtendedModelError: The model cannot be used.
     """
-    robot, doors = diagnosis.problem.robot, diagnosis.problem.doors
-    causes, place = usable(diagnosis)[0], standing_of(diagnosis)
-    extended = ExtendedComplianceModel(
-        robot.name, robot.dh, robot.stiffness, causes, place=place, growth=growth_told(diagnosis)
-    )
-    tip, late = diagnosis.problem.tool[:3, 3], doors[first:]
+    robot, doors, tool = diagnosis.problem.robot, diagnosis.problem.doors, diagnosis.problem.tool
+    late = doors[first:]
 
-    def warm(cold: ComplianceModel) -> list[ComplianceModel]:
-        return [_when_milled(cold, robot, doors[0], door) for door in late]
+    def undone(cold: ComplianceModel) -> list[FloatArray]:
+        warm = [_when_milled(cold, robot, doors[0], door) for door in late]
+        return [undone_along(door.points, one, robot, tool) for door, one in zip(late, warm, strict=True)]
 
-    used, found = warm(load_model_of(robot, model)), warm(standing_model(robot, extended))
-    moved = [
-        _along(door.points, one, tip) - _along(door.points, other, tip)
-        for door, one, other in zip(late, used, found, strict=True)
-    ]
+    used = undone(load_model_of(robot, model))
+    found = undone(standing_model(robot, door_model(diagnosis)))
+    milled = [_undone_of(door, robot, tool) for door in late]
 
-    def errors(models: Sequence[ComplianceModel]) -> list[float]:
-        pairs = zip(late, models, strict=True)
-        return [_error(door, _milled_with(door, robot), wanted, tip) for door, wanted in pairs]
+    def errors(wanted: Sequence[FloatArray]) -> list[float]:
+        return [_error(*each) for each in zip(late, milled, wanted, strict=True)]
 
     return {
         "model": model,
         "expected_error": _expected(late, errors(used)),
         "expected_error_extended": _expected(late, errors(found)),
-        "difference": root_mean_square(np.concatenate(moved)),
+        "difference": root_mean_square(np.concatenate(used) - np.concatenate(found)),
     }
+
+
+def undone_along(
+    points: CutPoints, model: ComplianceModel, robot: Robot, T_flange_tool: FloatArray
+) -> FloatArray:
+    """What a plan with a model undoes at each point along its normal, shape (n,) [m].
+
+    Args:
+        points: n of them.
+        model: How the robot gives way, as warm as it is.
+        robot: That mills.
+        T_flange_tool: Its tool, shape (4, 4).
+    """
+    worth = worth_of(robot, load_settings().correction.unmeasured, model)
+    loaded = LoadedRobot(Kinematics(robot), model, T_flange_tool, worth=worth)
+    twist = loaded.undone(points.q, points.loads)(points.q)
+    return np.asarray(np.sum(points.normal * twist[:, :3], axis=1))
 
 
 def _when_milled(cold: ComplianceModel, robot: Robot, first: GaugedDoor, door: GaugedDoor) -> ComplianceModel:
@@ -79,38 +92,33 @@ def _when_milled(cold: ComplianceModel, robot: Robot, first: GaugedDoor, door: G
     return grown(cold, Kinematics(robot), growth, *growth.after(hours))
 
 
-def _milled_with(door: GaugedDoor, robot: Robot) -> ComplianceModel | None:
-    """The model that a door was corrected with; None where it is no longer there, or nobody knows how warm it was."""
+def _undone_of(door: GaugedDoor, robot: Robot, tool: FloatArray) -> FloatArray:
+    """What the correction of a door undid at its points along their normals, shape (n,) [m].
+
+    Of one that is no longer there, or of which nobody knows how warm it was, only what it sent is known.
+    """
     try:
         model = load_model_of(robot, door.robot_model)
     except DoormillError:
-        return None
-    return model if growth_in(model) is None else None
+        return -door.points.sent
+    if growth_in(model) is not None:
+        return -door.points.sent
+    return undone_along(door.points, model, robot, tool)
 
 
-def _error(
-    door: GaugedDoor, milled: ComplianceModel | None, wanted: ComplianceModel, tip: FloatArray
-) -> float:
-    """How far the worst point of a door would be off, had it been corrected with another model [m].
+def _error(door: GaugedDoor, milled: FloatArray, wanted: FloatArray) -> float:
+    """How far the worst point of a door would be off, had its correction undone something else [m].
 
     The difference is known where it is known what cut a point; elsewhere the worst point is taken to follow.
     """
     points = door.points
-    # Of a correction that nobody knows any more only what it sent is known, and none is perfect.
-    before = -points.sent if milled is None else _along(points, milled, tip)
-    off = points.deviation + before - _along(points, wanted, tip)
+    off = points.deviation + milled - wanted
     if door.placing is None:
         columns = free_columns(points.point, points.normal)
         off = off - columns @ np.linalg.lstsq(columns, off, rcond=1e-6)[0]
         return float(np.abs(off).max())
     known = float(np.abs(points.deviation).max())
     return float(np.abs(off).max()) + max(door.largest - known, 0.0)
-
-
-def _along(points: CutPoints, model: ComplianceModel, tip: FloatArray) -> FloatArray:
-    """What a model moves each point along its normal, shape (n,) [m]."""
-    twist = model.deflection(points.q, points.wrench, tip, points.direction)
-    return np.asarray(np.sum(points.normal * twist[:, :3], axis=1))
 
 
 def _expected(doors: Sequence[GaugedDoor], each: Sequence[float]) -> float:

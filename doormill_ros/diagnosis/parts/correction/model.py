@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,7 @@ from doormill_ros.diagnosis.parts.telling.next_door import PLACES
 from doormill_ros.robot_model.elastic.causes.registry import build_cause
 from doormill_ros.robot_model.elastic.knowledge import MeasuredForce
 from doormill_ros.robot_model.extended_document import model_document
-from doormill_ros.robot_model.extended_model import SizedCause
+from doormill_ros.robot_model.extended_model import ExtendedComplianceModel, SizedCause
 from doormill_ros.statistics import root_mean_square
 
 
@@ -118,15 +119,30 @@ def _doubt(diagnosis: DoorDiagnosis) -> float | None:
     return doubt
 
 
+@lru_cache(maxsize=1)  # fits of the force, wanted by the model and by what it would change
+def door_model(diagnosis: DoorDiagnosis) -> ExtendedComplianceModel:
+    """The model that corrects the next doors, in the cold and without where its tool stands."""
+    robot = diagnosis.problem.robot
+    return ExtendedComplianceModel(
+        robot.name,
+        robot.dh,
+        robot.stiffness,
+        usable(diagnosis)[0],
+        force=measured_force(diagnosis),
+        place=standing_of(diagnosis),
+        growth=growth_told(diagnosis),
+    )
+
+
 def door_model_document(diagnosis: DoorDiagnosis, source: str) -> dict[str, Any]:
     """The content of model.yaml."""
-    robot = diagnosis.problem.robot
+    model = door_model(diagnosis)
     return model_document(
-        robot.name,
-        np.array(robot.stiffness),
-        usable(diagnosis)[0],
+        model.robot,
+        model.joint_stiffness,
+        model.causes,
         f"diagnosis of {source}, verdict {diagnosis.verdict}",
-        force=measured_force(diagnosis),
-        standing=standing_of(diagnosis),
-        growth=growth_told(diagnosis),
+        force=model.force,
+        standing=model.place,
+        growth=model.growth,
     )

@@ -9,6 +9,7 @@ from typing import Self
 import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray, IntArray
+from doormill_ros.correction.loads import Loads
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,6 +26,8 @@ class CutPoints:
         q: Commanded joint angles where the point was cut, shape (n, 6) [rad].
         direction: Last motion of each joint there, shape (n, 6).
         wrench: Assumed process wrench at the tool's tip, base axes, shape (n, 6) [N, N m].
+        spread: How well that is known, as in `Loads`, shape (n, 6, 6) [N, N m].
+        bounded: Where nobody measured it, shape (n,).
         bend: Curvature of the tool's way there, towards its centre, base axes, shape (n, 3) [1 / m].
         late: How far beside it the tool passes that follows late by each of `LAGS`, base axes, shape (n, lags, 3) [m].
         feed: Speed of the tool there, shape (n,) [m / s].
@@ -42,6 +45,8 @@ class CutPoints:
     q: FloatArray
     direction: FloatArray
     wrench: FloatArray
+    spread: FloatArray
+    bounded: BoolArray
     bend: FloatArray
     late: FloatArray
     feed: FloatArray
@@ -56,6 +61,11 @@ class CutPoints:
     def __getitem__(self, rows: BoolArray | slice) -> Self:
         """Some of the points."""
         return type(self)(*(getattr(self, field.name)[rows] for field in fields(self)))
+
+    @property
+    def loads(self) -> Loads:
+        """The wrenches, as a plan has them."""
+        return Loads(self.wrench, self.direction, self.spread, self.bounded, self.kind)
 
     @classmethod
     def joined(cls, parts: Sequence[Self]) -> Self:

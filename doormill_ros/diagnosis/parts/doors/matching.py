@@ -15,6 +15,7 @@ from scipy.spatial import cKDTree
 
 from doormill_ros.arrays import BoolArray, FloatArray, IntArray
 from doormill_ros.diagnosis.parts.doors.cut_points import CutPoints
+from doormill_ros.diagnosis.parts.doors.known_force import force_spread
 from doormill_ros.diagnosis.parts.doors.recorded_cut import RecordedCut
 from doormill_ros.diagnosis.parts.doors.way import Moving, Way, way_through
 from doormill_ros.frames import apply, inverse
@@ -78,7 +79,7 @@ def matched_points(
         for wall in (True, False):
             rows = np.flatnonzero(of_feature & (inspection.wall == wall) & ~slipped)
             if len(rows):
-                at = _Place(inspection, rows, feature, T_base_feature, cut.T_base_door, robot, T_flange_tool)
+                at = _Place(inspection, rows, feature, T_base_feature, cut, robot, T_flange_tool)
                 moments = at.moments(way, np.zeros(2))
                 points = at.matched(way, moments)
                 if wall and datum == CAMERA:
@@ -120,7 +121,7 @@ class _Place:
     rows: IntArray
     feature: Feature
     T_base_feature: FloatArray
-    T_base_door: FloatArray
+    cut: RecordedCut
     robot: Robot
     T_flange_tool: FloatArray
 
@@ -175,25 +176,29 @@ class _Place:
     @cached_property
     def _flat(self) -> tuple[FloatArray, FloatArray]:
         """Points [m] and normals, feature axes, shape (n, 3) each."""
-        T_feature_door = inverse(self.T_base_feature) @ self.T_base_door
+        T_feature_door = inverse(self.T_base_feature) @ self.cut.T_base_door
         normal = self.inspection.normal[self.rows]
         return apply(T_feature_door, self.inspection.point[self.rows]), normal @ T_feature_door[:3, :3].T
 
     def matched(self, way: Way, moments: _Moments) -> CutPoints:
         """The points, those left out that tell of no single moment."""
         inspection, rows, wall, at = self.inspection, self.rows, self._wall, moments.at
-        normal = inspection.normal[rows] @ self.T_base_door[:3, :3].T
+        T_base_door, q, wrench = self.cut.T_base_door, way.q[at], way.wrench[at]
+        normal = inspection.normal[rows] @ T_base_door[:3, :3].T
+        R_base_tool = (Kinematics(self.robot).forward(q) @ self.T_flange_tool)[:, :3, :3]
         behind = way.flat[at, 2] - self._flat[0][:, 2]
         points = CutPoints(
-            point=apply(self.T_base_door, inspection.point[rows]),
+            point=apply(T_base_door, inspection.point[rows]),
             normal=normal,
             deviation=inspection.deviation[rows],
             sent=moments.sent,
             behind=np.where(wall, behind / np.maximum(way.axis[at, 2], 0.1), 0.0),
             wall=np.full(len(rows), wall),
-            q=way.q[at],
+            q=q,
             direction=way.direction[at],
-            wrench=way.wrench[at],
+            wrench=wrench,
+            spread=force_spread(self.feature, self.cut.recipe.material, wrench, R_base_tool),
+            bounded=np.full(len(rows), not self.feature.force_origin.measured),
             bend=way.bend[at] @ self.T_base_feature[:3, :3].T,
             late=way.late[at] @ self.T_base_feature[:3, :3].T,
             feed=way.feed[at],
