@@ -21,7 +21,7 @@ from doormill_ros.localization.marks.marked_view import marked_view
 from doormill_ros.localization.result import CovarianceParts, EdgeTrace, Localization
 from doormill_ros.localization.rims.crossing import check_crossing
 from doormill_ros.localization.rims.processing import check_levels, level_counts
-from doormill_ros.localization.rims.sharpness import check_sharpness
+from doormill_ros.localization.rims.sharpness import check_hidden, check_sharpness
 from doormill_ros.localization.search.band import reduced
 from doormill_ros.localization.search.beyond import larger_beyond
 from doormill_ros.localization.search.coarse import Sighted, search, search_bands
@@ -82,6 +82,7 @@ def localize(
 
     blurs = {edge: trace.spread.blur for edge, trace in traces.items()}
     check_sharpness(blurs, view, fit, drawn, settings)
+    check_hidden({edge: trace.hides for edge, trace in traces.items()}, view)
     if all(trace.plain for trace in traces.values()):
         check_crossing(picture, view, fit.pose, min(blurs.values()))
     offset = _offset_of(fit.pose)

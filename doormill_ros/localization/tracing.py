@@ -47,6 +47,7 @@ class Trace:
         line: The line through its points, on the plane of the face.
         streaks: Standard deviation of the streaks beside it, as a share of the step.
         plain: Whether one step is all that was seen, and no rim.
+        hides: How far outside of it the outline may hide in what it is softer than the other edge [px].
     """
 
     profiles: Profiles
@@ -54,6 +55,7 @@ class Trace:
     line: LineFit
     streaks: float
     plain: bool
+    hides: float
 
 
 def _line(view: FaceView, profiles: Profiles, pose: FloatArray, rounds: int, waves: bool = False) -> LineFit:
@@ -203,7 +205,7 @@ def _trace(
             line = line.moved(-border.shift * view.pixel, (border.deviation * view.pixel) ** 2)
         pushed = push(beside.face, beside.rows, beside.weights, beside.spread.blur, read.profiles.step)
         line = line.pushed(pushed.place * view.pixel**2, pushed.slope)
-        out[edge] = Trace(read.profiles, border.spread, line, read.streaks, not border.shift)
+        out[edge] = Trace(read.profiles, border.spread, line, read.streaks, not border.shift, border.hides)
     return out
 
 

@@ -1,6 +1,6 @@
 """A rounded arris, a slope that ends at the outline of the face, is told from softness, or the door is refused."""
 
-from math import erf, sqrt
+from math import erf, hypot, sqrt
 
 import numpy as np
 import pytest
@@ -11,6 +11,8 @@ from doormill_ros.localization.errors import WrongEdge
 from doormill_ros.localization.localizer import localize
 from doormill_ros.localization.rims.arris import Profile
 from doormill_ros.localization.rims.rounded import both_rounded, find_rounded
+from doormill_ros.localization.rims.sharpness import Softness, hidden
+from doormill_ros.localization.view import face_view
 from doormill_ros.units import MM
 from support.views.render import render
 from support.views.series import view_of
@@ -105,3 +107,27 @@ def test_a_rounded_arris_whose_end_is_not_seen_is_refused(number, seed, features
     view = view_of(number, seed, features)
     with pytest.raises(WrongEdge, match="a rounded arris lies along it, whose outer border is known to"):
         localize(render(view), camera, layout, view.place.width, view.told_thickness)
+
+
+@pytest.mark.parametrize("number", [64, 87, 103, 109])
+def test_an_edge_softer_than_the_other_may_hide_its_outline_and_is_refused(number, camera, layout):
+    view = view_of(number, 771001, ("round_arris",))
+    with pytest.raises(WrongEdge, match="the outer border of a rounded arris may hide in it"):
+        localize(render(view), camera, layout, view.place.width, view.told_thickness)
+
+
+def test_a_slope_hides_half_its_width_in_the_softness_it_makes(camera, layout):
+    view, lens, width = face_view(camera, layout, 0.86, 0.04), 1.0, 3.0
+    found = hidden({"hinge": Softness(lens), "bottom": Softness(hypot(lens, width / sqrt(12)))}, view)
+    assert found["hinge"] == 0.0
+    # The lens itself may be a little softer along one edge.
+    assert 0.4 * width < found["bottom"] < 0.5 * width
+    for uncertain in (Softness(1.3, deviation=0.2), Softness(1.3, ragged=0.9), Softness(1.02)):
+        assert hidden({"hinge": Softness(lens), "bottom": uncertain}, view)["bottom"] == 0.0
+
+
+@pytest.mark.parametrize("number", [157, 202])
+def test_streaks_that_make_an_edge_seem_soft_hide_nothing(number, camera, layout):
+    view = view_of(number, 51)
+    found = localize(render(view), camera, layout, view.place.width, view.told_thickness).offset
+    assert np.hypot(found.y - view.offset.y, found.z - view.offset.z) < 0.05 * MM

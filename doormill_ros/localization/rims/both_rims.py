@@ -18,6 +18,7 @@ from doormill_ros.localization.lines.fit import LineFit
 from doormill_ros.localization.rims.arris import HINT, Profile
 from doormill_ros.localization.rims.processing import check_overshoot
 from doormill_ros.localization.rims.rim import (
+    FAINTEST,
     Rim,
     check_alike,
     check_placed,
@@ -28,6 +29,8 @@ from doormill_ros.localization.rims.rim import (
     wide_and_dark,
 )
 from doormill_ros.localization.rims.rounded import both_rounded, find_rounded
+from doormill_ros.localization.rims.sharpness import Softness, hidden
+from doormill_ros.localization.rims.step_fits import fit_one
 from doormill_ros.localization.search.edge_line import EdgeLine, meet
 from doormill_ros.localization.search.layers import choose
 from doormill_ros.localization.search.neighbourhood import WIDE_HALF, Neighbourhood
@@ -38,6 +41,7 @@ _WIDE_BLUR = 3.0  # px
 _AS_WIDE = 0.7
 _SMOOTH = 9  # rows over which edge points are averaged; a saw's waves are longer
 _RAGGED = 1.0  # px; an edge that scatters more shows no rim, and is uncertain enough to be refused for that
+_OF_RIM = 0.05  # standard deviation of the blur of two steps, as a share
 _ROOM = 5.0  # px: one of two steps so far apart can be read by itself
 
 
@@ -161,6 +165,20 @@ class _Seen:
         """Blur of the edge, a rim taken for what it is [px]."""
         return self.read.beside.spread.blur if self.rim is None else self.rim.blur
 
+    @property
+    def crowded(self) -> bool:
+        """Whether another step lies within wide windows, in which the edge looks softer than it is."""
+        return any(abs(distance) < WIDE_HALF + _WIDE_BLUR for distance, _ in self.read.beside.beside)
+
+    def softness(self) -> Softness:
+        """How soft the edge is, the textures beside it taken for what they are, and a rim."""
+        if self.rim is not None:
+            return Softness(self.rim.blur, _OF_RIM * self.rim.blur)
+        profile = self.profile()
+        fit = fit_one(profile.mean, profile.whiten, profile.spread.blur)
+        deviation = float(np.sqrt(fit.covariance[1, 1])) * max(fit.misfit, 1.0)
+        return Softness(float(fit.places[1]), deviation, self.read.line.scatter / self.view.pixel)
+
 
 @dataclass(frozen=True, eq=False)
 class Border:
@@ -172,6 +190,7 @@ class Border:
         spread: Of the edge, a rim taken for what it is.
         room: To another step beside it that has a side of its own [px]; infinite where there is none.
         inner: Whether it is the inner border of a rim, which then lies behind the face.
+        hides: How far outside of it the outline may hide in what it is softer than the other edge [px].
     """
 
     shift: float
@@ -179,6 +198,7 @@ class Border:
     spread: Spread
     room: float = np.inf
     inner: bool = False
+    hides: float = 0.0
 
 
 def find_borders(
@@ -232,7 +252,17 @@ def find_borders(
             shift = rim.shift - (rim.width if inner[edge] or rim.gap else 0.0)
             room = rim.width if rim.width > _ROOM else np.inf
             out[edge] = Border(shift, rim.deviation, spread, room, inner[edge])
-    check_alike({edge: one.rim for edge, one in seen.items()}, {e: one.blur() for e, one in seen.items()})
+    rims, blurs = {edge: one.rim for edge, one in seen.items()}, {e: one.blur() for e, one in seen.items()}
+    check_alike(rims, blurs)
+    # Most edges are alike at a first glance, by which streaks make them softer than they are.
+    glance = hidden({edge: Softness(blur) for edge, blur in blurs.items()}, view)
+    if known or not any(glance.values()) or any(one.crowded for one in seen.values()):
+        return out
+    hides = hidden({edge: one.softness() for edge, one in seen.items()}, view)
+    for edge, rim in rims.items():
+        # A bright rim that shows softens its own edge.
+        if rim is None or rim.brightness < FAINTEST:
+            out[edge] = replace(out[edge], hides=hides[edge])
     return out
 
 

@@ -27,10 +27,10 @@ _SUSPECT = 1.15
 EVEN, _UNRESOLVED = 0.13, 2.6
 _BETTER, _MORE = 0.6, 0.35  # two steps must fit by that factor better, and by that much in squared deviations
 _STREAKS = 5.0  # and that many standard deviations of streaks
-_FAINTEST = 0.1  # brightness of a rim against the face, as a share of the step
+FAINTEST = 0.1  #: brightness of a rim against the face, as a share of the step
 NARROW = 0.42e-3  #: a darker rim may as well lie behind the face, unless it is an arris: so narrow [m]
 _READABLE = 4.0  # blurs: where a narrower one ends is not seen
-_PLACED = 0.3  # largest standard deviation of its outer border [px]
+PLACED = 0.3  #: largest standard deviation of its outer border [px]
 _SOFTER = 1.12  # an edge that much softer than one with a rim has one too
 _SAME = 0.03  # by how much two edges differ in blur, as a share
 
@@ -98,7 +98,7 @@ def find_rim(spread: Spread, streaks: float, sharp: float | None = None) -> Rim 
         return None
     two, total = best.misfit, float(best.heights.sum())
     brightness = float(-best.heights[1] / total) if abs(total) > 1e-6 else 0.0
-    if plain**2 - two**2 < _MORE or abs(brightness) < max(_FAINTEST, _STREAKS * streaks):
+    if plain**2 - two**2 < _MORE or abs(brightness) < max(FAINTEST, _STREAKS * streaks):
         return None
     if two > _BETTER * plain and (plain < _CLEAR or streaks > _CLEAN):
         return None
@@ -131,12 +131,12 @@ def check_placed(edge: str, rim: Rim, pixel: float) -> None:
     Raises:
         WrongEdge: It is not.
     """
-    if rim.deviation > _PLACED:
+    if rim.deviation > PLACED:
         what = "a rounded arris" if rim.rounded else "a rim"
         raise WrongEdge(
             f"the {edge} edge is not one step from face to background: {what} lies along it, whose outer border is "
             f"known to {m_to_mm(min(rim.deviation * pixel, 1e-3)):.2f} mm only, allowed are "
-            f"{m_to_mm(_PLACED * pixel):.2f} mm; clean the edge, change the light or switch the camera's "
+            f"{m_to_mm(PLACED * pixel):.2f} mm; clean the edge, change the light or switch the camera's "
             "sharpening off",
             edge=edge,
         )
