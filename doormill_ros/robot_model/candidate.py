@@ -87,6 +87,8 @@ class Candidate(Cause, Generic[Case]):
         kinked: Indices of theta in which the cost is not smooth; their uncertainty is profiled.
         series: Of candidates that are one but for a number which is tried at some values instead of fitted: what they
             have in common. Empty for all others.
+        same_as: Name and place of a cause that does the same whatever the posture and load, unless something is
+            measured between the two; only words tell them apart. Empty for all others.
     """
 
     parameters: tuple[CauseParameter, ...] = ()
@@ -96,6 +98,7 @@ class Candidate(Cause, Generic[Case]):
     generalises: str = ""
     kinked: tuple[int, ...] = ()
     series: str = ""
+    same_as: tuple[str, str] | tuple[()] = ()
 
     @property
     def size(self) -> int:

@@ -8,9 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection
 
-import numpy as np
-
-from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.core.diagnosis import FittedQuestion, told
 from doormill_ros.diagnosis.core.examining.finding import Finding
 from doormill_ros.diagnosis.core.examining.fit_examiner import STRUCTURE, FitExaminer, excess_probability
@@ -21,12 +18,12 @@ from doormill_ros.diagnosis.core.telling.characterised import Characterised
 from doormill_ros.diagnosis.law.search import LawSearch
 from doormill_ros.diagnosis.loading.law_place import place_of
 from doormill_ros.diagnosis.loading.law_terms import law_terms
+from doormill_ros.diagnosis.loading.other_words import in_other_words, less
 from doormill_ros.diagnosis.loading.problem import LoadingDiagnosis, LoadingProblem
 from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
 
 #: Why a name is taken back.
 NEEDLESS = "laws without a name elsewhere do as well"
-_NOTHING = 1e-6  #: share of an effect that is rounding
 
 
 class _BesideLaws(FittedQuestion[LoadingProblem, ElasticCause]):
@@ -120,34 +117,13 @@ def _behind(
     terms, _ = law_terms(diagnosis)
     own = LawSearch(problem, extended.members, extended.theta, terms, place_of).total(told_by)
     equal, where = {other.key for other in finding.confusable}, place_of(cause).where
-    effect = _effect(problem, told_by, cause)
-    # What acts at its place, or does the same in every trial, says the same in other words and was asked before.
+    # What acts at its place, or does the same, says the same in other words and was asked before.
+    same = in_other_words(problem, told_by, cause, terms)
     rivals = [
-        term
-        for term in terms
-        if term.key not in equal
-        and place_of(term).where != where
-        and _followed(problem, term, effect) < 1.0 - _NOTHING
+        term for term in terms if term.key not in equal and place_of(term).where != where and term not in same
     ]
-    search = LawSearch(problem, *_rest(extended, cause), rivals, place_of)
+    search = LawSearch(problem, *less(extended, cause), rivals, place_of)
     return search.total(search.run()) - own
-
-
-def _effect(problem: LoadingProblem, model: Fit[ElasticCause], cause: ElasticCause) -> FloatArray:
-    """What a member changes, in standard deviations, shape (3 n,)."""
-    return (problem.predict(*_rest(model, cause)).white - model.prediction.white).ravel()
-
-
-def _rest(model: Fit[ElasticCause], cause: ElasticCause) -> tuple[tuple[ElasticCause, ...], FloatArray]:
-    """The other members, and their parameters as they are."""
-    rest = tuple(other for other in model.members if other is not cause)
-    return rest, np.concatenate([np.zeros(0), *(model.theta[model.part(other)] for other in rest)])
-
-
-def _followed(problem: LoadingProblem, term: ElasticCause, effect: FloatArray) -> float:
-    """Share of an effect, shape (3 n,), that a term follows."""
-    basis, _ = np.linalg.qr(problem.slope(term, np.zeros(term.size)).reshape(len(effect), -1))
-    return float(np.sum((basis.T @ effect) ** 2) / max(float(effect @ effect), 1e-300))
 
 
 def _keys(diagnosis: LoadingDiagnosis) -> set[tuple[str, str]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -16,6 +17,7 @@ from doormill_ros.diagnosis.law.search import LawSearch
 from doormill_ros.diagnosis.loading.beside_laws import NEEDLESS, asked_beside, needless
 from doormill_ros.diagnosis.loading.law_place import place_of
 from doormill_ros.diagnosis.loading.law_terms import law_terms
+from doormill_ros.diagnosis.loading.other_words import acts, in_other_words
 from doormill_ros.diagnosis.loading.problem import LoadingDiagnosis
 from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
 from doormill_ros.robot_model.extended_model import SizedCause
@@ -40,7 +42,7 @@ def with_laws(
     terms, labels = law_terms(diagnosis)
     search = LawSearch(problem, extended.members, extended.theta, terms, place_of, progress)
     found, why = characterise(search, diagnosis.kept)
-    if found is not None and (parts := _mean_parts(diagnosis, found)):
+    if found is not None and (parts := _mean_parts(diagnosis, found, terms)):
         progress(f"beside a law no name for {', '.join(map(repr, parts))}")
         return with_laws(diagnosis.less(parts, MEAN_PART), progress, asked)
     if found is not None and not asked and (again := asked_beside(diagnosis, found, progress)) is not None:
@@ -63,13 +65,24 @@ def with_laws(
     )
 
 
-def _mean_parts(diagnosis: LoadingDiagnosis, found: Characterised[ElasticCause]) -> list[ElasticCause]:
-    """Named causes at the place of a law, or at an end of its link; one with a kink is the mean of no law."""
+def _mean_parts(
+    diagnosis: LoadingDiagnosis, found: Characterised[ElasticCause], terms: Sequence[ElasticCause]
+) -> list[ElasticCause]:
+    """Named causes at the place of a law, in whatever words, or at an end of its link.
+
+    One with a kink is the mean of no law.
+    """
     places = {law.where for law in found.laws}
+    acting = {acts(term) for law in found.laws for term in law.terms}
     return [
         cause
         for cause in diagnosis.examination.named
-        if not cause.kinked and (place_of(cause).where in places or not places.isdisjoint(cause.also_at))
+        if not cause.kinked
+        and (
+            place_of(cause).where in places
+            or not places.isdisjoint(cause.also_at)
+            or not acting.isdisjoint(map(acts, in_other_words(diagnosis.problem, found.fit, cause, terms)))
+        )
     ]
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.candidate import Candidate
 from doormill_ros.robot_model.elastic.causes.cause import ElasticCause, LinearTwist
+from doormill_ros.robot_model.elastic.causes.joint_stiffness import JointStiffness
 from doormill_ros.robot_model.elastic.law.memory import let_through
 from doormill_ros.robot_model.elastic.law.parts import Motion, mount, shifted, torsion, yielding
 from doormill_ros.robot_model.elastic.load_case import LoadCase
@@ -37,10 +38,11 @@ class Pattern(LinearTwist):
         size: int,
         unit: Callable[[LoadCase], FloatArray],
         lowest: float = _ANY,
+        same_as: tuple[str, str] | tuple[()] = (),
     ) -> None:
         """Keep how to compute the pattern; `unit` gives shape (n, 6, size), `lowest` is the least amplitude."""
         super().__init__(where)
-        self.name = name
+        self.name, self.same_as = name, same_as
         self._unit = unit
         self.scale, self.lower, self.upper = np.ones(size), np.full(size, lowest), np.full(size, 1e6)
 
@@ -207,7 +209,14 @@ def _of_all(late: FloatArray, warm: FloatArray) -> list[Pattern]:
     """Those of base, tracker and sensor, and of all springs together."""
     return [
         Pattern("base_shift", "base", 1, _moved(yielding(0), "base", _YIELD)),
-        Pattern("base_turn", "base", 1, _moved(mount(0, (2,)), "base", _YIELD)),
+        # The upright axis of the base is that of joint 1.
+        Pattern(
+            "base_turn",
+            "base",
+            1,
+            _moved(mount(0, (2,)), "base", _YIELD),
+            same_as=(JointStiffness.name, JOINTS[0]),
+        ),
         Pattern("constant_shift", "tracker", 3, lambda c: _along_axes(c, np.ones(len(c)))),
         Pattern("time_trend", "tracker", 3, lambda c: _along_axes(c, late)),
         Pattern("temperature_trend", "tracker", 3, lambda c: _along_axes(c, warm)),

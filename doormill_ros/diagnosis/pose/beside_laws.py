@@ -11,7 +11,6 @@ from dataclasses import replace
 
 from doormill_ros.diagnosis.core.judgement import judge_question
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis, PoseQuestion
-from doormill_ros.diagnosis.pose.fitting.fit import fit_causes, place_nominally
 from doormill_ros.diagnosis.pose.fitting.model import SeriesFit
 from doormill_ros.diagnosis.pose.searching.search import PoseSearch
 from doormill_ros.robot_model.pose.law.term import PoseTerm
@@ -23,14 +22,13 @@ class _BesideLaws(PoseQuestion):
     main_part = 0.0
 
     def __init__(self, question: PoseQuestion, laws: Sequence[PoseTerm]) -> None:
-        """Keep the laws, and how the robot of a question stands."""
+        """Keep the laws, and of a question how its robot stands and how the nominal model places it."""
         super().__init__(question.sets)
-        self.standing, self._laws = question.standing, tuple(laws)
+        self.standing, self._nominal, self._laws = question.standing, question.examiner.nominal, tuple(laws)
 
     def search(self, progress: Callable[[str], None]) -> SeriesFit:
         """What is left of everything that may act beside the laws."""
-        nominal = fit_causes(self.sets, (), place_nominally(self.sets), passes=2)
-        return self.searched(PoseSearch(self.sets, nominal, progress, self._laws), nominal)
+        return self.searched(PoseSearch(self.sets, self._nominal, progress, self._laws), self._nominal)
 
 
 def asked_beside(

@@ -43,6 +43,7 @@ class PoseQuestion(Question[PoseCause, SeriesFit]):
     """
 
     main_part = MAIN_PART
+    examiner: PoseExaminer
 
     def __init__(self, sets: Sequence[PoseSet]) -> None:
         """Keep series that question the same model.

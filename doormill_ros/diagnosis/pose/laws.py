@@ -68,7 +68,9 @@ def with_laws(diagnosis: PoseDiagnosis, progress: Callable[[str], None] = lambda
     first = told.laws.laws[0].terms  # the others may be what a cause hides behind
     for terms in [every, first][: len(told.laws.laws)]:
         asked = asked_beside(diagnosis, terms, progress)
-        again = _with_laws(asked, progress) if _names_more(asked, told) else told
+        if not _names_more(asked, told):
+            continue
+        again = _with_laws(asked, progress)
         quiet = again.laws is not None and again.laws.holdout_rmse <= AT_NOISE * again.noise_floor
         if quiet and _names_more(again, told):
             return with_reasons(again, told)

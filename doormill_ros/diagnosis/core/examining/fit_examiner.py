@@ -14,6 +14,7 @@ from doormill_ros.diagnosis.core.examining.stability import (
     beaten,
     clustering,
     instability,
+    same,
     unevenness,
 )
 from doormill_ros.diagnosis.core.fitting.fit import Fit
@@ -87,7 +88,7 @@ class FitExaminer(Examiner[C, Fit[C]], Generic[C]):
         shapes = any(
             models.total(found) < models.total(best) + ENTRY or not beaten(self.problem, best, found)
             for other, found in models.rivals(best, cause)
-            if not other.named
+            if not other.named and not (other.same_as == cause.key and same(best, found))
         )
         least = 0.0 if self.beside_laws else MAIN_PART
         explained = Margin(f"{cause!r} explains a share of what is wrong", share, least, "share")

@@ -15,6 +15,7 @@ CLUSTERED = 1e-3
 BEATEN = 0.05
 _SAME_CHANCE = 1e-3  #: share by which two chances differ that are not the same
 _SAME = 0.1  #: difference of the cost of a configuration below which it speaks for neither model
+_NOTHING = 1e-3  #: standard deviations that two fits of one prediction may be apart
 
 
 def instability(problem: Examined[C], found: Fit[C], cause: C) -> tuple[float, str, float]:
@@ -162,3 +163,9 @@ def beaten(problem: Problem[C], best: Fit[C], other: Fit[C]) -> bool:
     sums = np.bincount(np.unique(problem.configuration, return_inverse=True)[1], weights=difference)
     sums = sums[np.abs(sums) > _SAME]
     return len(sums) > 0 and float(wilcoxon(sums, alternative="greater").pvalue) < BEATEN
+
+
+def same(one: Fit[C], other: Fit[C]) -> bool:
+    """Whether two models predict the same in every trial: no more than rounding of the fits is between them."""
+    apart = np.abs(one.prediction.white - other.prediction.white)
+    return bool(apart.max(initial=0.0) < _NOTHING)
