@@ -20,7 +20,7 @@ from support.judged_doors import CONFIRMED, judge_doors, search  # noqa: E402
 
 
 def run(robots: int, options: argparse.Namespace) -> bool:
-    """Print a table of one robot or of two; True when nothing was touched."""
+    """Print a table of one robot or of two; True when nothing was touched and every refusal looked into is right."""
     outcomes, looked, open_ = [], Counter[str](), 0
     for number, outcome in enumerate(judge_doors(options.doors, options.seed, options.tools, robots)):
         outcomes.append(outcome)
@@ -64,11 +64,11 @@ def run(robots: int, options: argparse.Namespace) -> bool:
         times_ = sorted(getattr(o, what) for o in judged)
         if times_:
             print(f"{what}: median {times_[len(times_) // 2]:.2f} s, longest {times_[-1]:.2f} s")
-    return not touching
+    return not touching and not open_
 
 
 def main() -> int:
-    """Print a table for each number of robots; 1 when an accepted program touched anything."""
+    """Print a table for each number of robots; 1 when a program touched anything or a refusal is not confirmed."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--doors", type=int, default=50, metavar="N", help="how many; default: 50")
     parser.add_argument("--seed", type=int, default=0, help="of the doors")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,6 +34,7 @@ def choose_branch(
     rules: BranchRules | None = None,
     segment: FloatArray | None = None,
     branches: Iterable[int] = range(BRANCHES),
+    turn_over: bool = False,
 ) -> FloatArray:
     """Joint angles along a path in one configuration.
 
@@ -50,6 +51,7 @@ def choose_branch(
             the robot is free to move joint by joint; when no one configuration serves the whole
             path the wrist may flip there. None for a path that allows no change.
         branches: Branches (cfx) to choose from.
+        turn_over: Whether the arm, too, may be turned over between segments that none of its postures serves alone.
 
     Returns:
         Joint angles, shape (n, 6) [rad].
@@ -78,7 +80,7 @@ def choose_branch(
     except (JointLimitError, SingularityError, BranchError):
         if len(borders) == 2:
             raise
-    return _piecewise(search, solutions, tuple(branches), borders)
+    return _piecewise(search, solutions, tuple(branches), borders, turn_over)
 
 
 def _piecewise(
@@ -86,31 +88,34 @@ def _piecewise(
     solutions: FloatArray,
     allowed: tuple[int, ...],
     borders: list[int],
+    turn_over: bool,
 ) -> FloatArray:
     """One configuration a segment.
 
-    The wrist may flip between segments; the arm keeps its posture, because turning elbow or base
+    The wrist may flip between segments; the arm keeps its posture where it can, because turning elbow or base
     over in front of a door sweeps the whole cell.
     """
-    found: list[tuple[float, FloatArray]] = []
+    found: list[tuple[int, float, FloatArray]] = []
     refused: RobotError | None = None
     for arm in range(0, BRANCHES, 2):
         parts: list[FloatArray] = []
-        softness = 0.0
+        softness, turned, now = 0.0, 0, arm
         try:
             for first, last in itertools.pairwise(borders):
                 before = parts[-1][-1] if parts else None
-                flips = [branch for branch in (arm, arm + 1) if branch in allowed]
-                soft, q = search.best(solutions[first:last], flips, [0, last - first], first, before)
-                softness = max(softness, soft)
+                arms = [now, *(other for other in range(0, BRANCHES, 2) if other != now)]
+                flips = [[branch for branch in (one, one + 1) if branch in allowed] for one in arms]
+                each = flips if turn_over else flips[:1]
+                at, soft, q = search.first_of(each, solutions[first:last], first, before)
+                softness, turned, now = max(softness, soft), turned + (at > 0), arms[at]
                 parts.append(q)
         except RobotError as error:
             refused = refused or error
             continue
-        found.append((softness, np.concatenate(parts)))
+        found.append((turned, softness, np.concatenate(parts)))
     if refused and not found:
         raise refused
-    return min(found, key=lambda item: item[0])[1]
+    return min(found, key=lambda item: item[:2])[2]
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,6 +159,23 @@ class _Search:
         if best is None:
             raise refusal(self.robot, rejected, self.rules, len(solutions), first)
         return best[0], best[2]
+
+    def first_of(
+        self, choices: Sequence[list[int]], solutions: FloatArray, first: int, start: FloatArray | None
+    ) -> tuple[int, float, FloatArray]:
+        """Which of several choices of branches serves a segment first, and what `best` says of it.
+
+        Raises:
+            RobotError: What the first choice is refused for, where none serves it.
+        """
+        refused: RobotError | None = None
+        for number, allowed in enumerate(choices):
+            try:
+                return number, *self.best(solutions, allowed, [0, len(solutions)], first, start)
+            except RobotError as error:
+                refused = refused or error
+        assert refused is not None
+        raise refused
 
     def _passable(self, path: FloatArray, borders: list[int], rejected: Rejected, first: int) -> bool:
         reason = too_close(clearance(self.robot, path), self.rules, first)

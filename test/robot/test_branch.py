@@ -31,6 +31,33 @@ def test_whole_door_edge_in_one_configuration(irb6600):
     assert np.all(q <= irb6600.upper - margin)
 
 
+def test_the_arm_turns_over_between_segments_only_where_no_posture_serves_them_all(irb6600):
+    rng, turned = np.random.default_rng(3), 0
+    for _ in range(400):
+        segments = np.arange(2)
+        pair = poses(rng.uniform(0.8, 2.2, 2), rng.uniform(-1.5, 1.5, 2), rng.uniform(-0.2, 2.8, 2))
+        try:
+            kept = choose_branch(irb6600, pair, segment=segments)
+        except UnreachableError:
+            continue
+        except (JointLimitError, SingularityError, BranchError):
+            kept = None
+        try:
+            q = choose_branch(irb6600, pair, segment=segments, turn_over=True)
+        except (JointLimitError, SingularityError, BranchError):
+            assert kept is None
+            continue
+        np.testing.assert_allclose(Kinematics(irb6600).forward(q), pair, atol=1e-9)
+        arms = configuration_index(irb6600, q) // 2
+        if kept is not None:
+            np.testing.assert_array_equal(q, kept)
+            continue
+        assert arms[0] != arms[1]
+        assert np.all((q > irb6600.lower) & (q < irb6600.upper))
+        turned += 1
+    assert turned > 0
+
+
 def test_short_path_at_the_bottom_hinge_takes_the_angles_of_table_4_6(irb6600):
     q = choose_branch(irb6600, EDGE[:3])
     np.testing.assert_allclose(np.degrees(q[0]), [13.58, 69.54, 34.97, 14.01, -104.10, -86.52], atol=0.01)

@@ -20,7 +20,7 @@ from support.file_run import HOME
 # A hair more than the planner keeps, so that "no posture" says what nobody finds: it looks in samples, he all along.
 MARGIN = 0.018  # rad from a joint limit: the planner keeps 1 degree
 WRIST = 0.053  # smallest sine of axis 5: the planner keeps 3 degrees
-CLEARANCE = 0.0105  # m: the planner keeps 10 mm
+CLEARANCE = 0.0125  # m: the planner keeps 12 mm
 STEP = 0.008  # m that no point moves further along a way between two looks
 TURNS = np.radians(np.arange(0.0, 360.0, 15.0))
 FRONT = 0.030  # m before the surface, where a feature's way begins

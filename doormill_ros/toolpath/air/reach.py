@@ -69,6 +69,7 @@ def joint_path(
     T_flange_tool: FloatArray,
     settings: PathSettings,
     branches: Iterable[int] = range(BRANCHES),
+    turn_over: bool = False,
 ) -> JointPath:
     """Joint angles at every station, in one configuration between one MoveAbsJ and the next.
 
@@ -79,6 +80,7 @@ def joint_path(
         T_flange_tool: Tool centre point in the flange, shape (4, 4).
         settings: Margins.
         branches: Branches (cfx) to choose from.
+        turn_over: Whether the arm may take another posture at a MoveAbsJ.
 
     Raises:
         ReachError: A target is out of reach.
@@ -94,7 +96,9 @@ def joint_path(
         limit_margin=checks.joint_margin, wrist=checks.wrist, elbow=checks.elbow, shoulder=checks.shoulder
     )
     try:
-        q = choose_branch(robot, T_base_flange, rules=rules, segment=leg[index], branches=branches)
+        q = choose_branch(
+            robot, T_base_flange, rules=rules, segment=leg[index], branches=branches, turn_over=turn_over
+        )
     except tuple(_MEANING) as error:
         at = int(index[int(error.data.get("pose", 0))])
         feature = next((s.feature for s in [*steps[at:], *steps[:at]] if s.feature), "")

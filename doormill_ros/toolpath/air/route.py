@@ -57,7 +57,8 @@ def route(
     Straight ways close to the door are tried first. Where one leads through a singularity, or
     keeps the robot in a configuration that does not serve the next feature, the robot draws back
     there and changes joint by joint, farther where something would be touched, and goes by points of joint space where
-    that does not help. What cannot be served in one configuration without touching something is tried in others.
+    that does not help. What cannot be served in one configuration without touching something is tried in others,
+    and what no one posture of the arm serves in several.
 
     Args:
         recipe: The door.
@@ -80,7 +81,15 @@ def route(
         check_size([step.feature for step in plan.steps], settings)  # before the costly part
         path: JointPath | None = None
         try:
-            path = joint_path(plan.steps, T_base_door, robot, layout.T_flange_tool, settings, choice.branches)
+            path = joint_path(
+                plan.steps,
+                T_base_door,
+                robot,
+                layout.T_flange_tool,
+                settings,
+                choice.branches,
+                choice.turn_over,
+            )
             check_air(plan.steps, path, world)
             return with_ways(plan, path, operations, T_base_door, world, robot, layout, settings), path
         except _CURABLE as error:
@@ -90,8 +99,12 @@ def route(
                 choice.branches = tuple(b for b in choice.branches if b not in used)
                 if not choice.branches:
                     raise first from None
-            elif plan.fixed or not choice.draw_back(error, operations, settings.approach.retreats):
+            elif plan.fixed:
                 raise choice.first or error from None
+            elif not choice.draw_back(error, operations, settings.approach.retreats):
+                if choice.turn_over:
+                    raise choice.first or error from None
+                choice.first, choice.turn_over = choice.first or error, True
 
 
 def door_world(
@@ -120,12 +133,14 @@ class _Choice:
         free: Operations to which it goes through joint space.
         branches: Branches that have not failed.
         first: Why the first choice of branches failed.
+        turn_over: Whether the arm may take another posture from one operation to the next.
     """
 
     retreats: dict[int, float] = field(default_factory=dict)
     free: set[int] = field(default_factory=set)
     branches: tuple[int, ...] = tuple(range(BRANCHES))
     first: PathError | None = None
+    turn_over: bool = False
 
     def draw_back(
         self, error: PathError, operations: Sequence[Operation], distances: Sequence[float]
